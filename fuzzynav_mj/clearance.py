@@ -1,0 +1,195 @@
+"""True gap between the square footprint and whatever it could touch."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+import shapely
+
+from fuzzynav_mj.types import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from fuzzynav_mj.scenarios.world import Shape, World
+
+_CORNERS = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
+
+
+def clearances(
+    poses: FloatArray, mover_positions: FloatArray, world: "World", half_side: float
+) -> FloatArray:
+    """Exact gap between the square footprint and the nearest obstacle or wall at each pose.
+
+    Args:
+        poses: (n, 3) x, y, yaw of the footprint's centre, world frame; finite.
+        mover_positions: (n, movers, 2) origins of the moving obstacles, world frame.
+        world: its static obstacles, movers' shapes, bounds and walls.
+        half_side: half the side of the footprint, m.
+
+    Returns:
+        (n,) m; 0 where they touch or overlap, inf where there is nothing to touch.
+    """
+    gaps = _wall_and_circle_gaps(poses, mover_positions, world, half_side)
+    approach = _approach(poses, mover_positions, world, half_side)
+    every_step = np.arange(len(poses))
+    bounds = approach.lower_bounds(every_step[:, None], np.arange(len(approach.polygons)))
+    # From the likeliest polygon of each pose to the least: most rounds have hardly a pose left.
+    for nearest in np.argsort(bounds, axis=1).T:
+        steps = np.flatnonzero(bounds[every_step, nearest] < gaps)
+        if len(steps) == 0:
+            break
+        gaps[steps] = np.minimum(gaps[steps], approach.gaps(steps, nearest[steps]))
+    return gaps
+
+
+def min_clearance(
+    poses: FloatArray,
+    mover_positions: FloatArray,
+    world: "World",
+    half_side: float,
+    stride: int = 200,
+) -> float:
+    """The smallest of `clearances` over all steps, without computing most of them.
+
+    The gap to an obstacle changes by no more than the way that the footprint's points travel
+    relative to it. So polygons are measured at every `stride`-th step, and an interval between
+    two samples is halved only while that bound lets it hold a smaller gap than the smallest yet.
+
+    Args:
+        poses: (n, 3) x, y, yaw at every physics step; steps that are not finite are left out.
+        mover_positions: (n, movers, 2) at the same steps.
+        world: as in `clearances`.
+        half_side: half the side of the footprint, m.
+        stride: steps between the first samples; changes the cost, not the result.
+
+    Returns:
+        m; 0 where they touched, inf where there is nothing to touch.
+    """
+    finite = np.isfinite(poses).all(axis=1)
+    poses, mover_positions = poses[finite], mover_positions[finite]
+    if len(poses) == 0:
+        return math.inf
+    smallest = float(_wall_and_circle_gaps(poses, mover_positions, world, half_side).min())
+    approach = _approach(poses, mover_positions, world, half_side)
+    if len(approach.polygons) == 0:
+        return smallest
+    travelled = approach.travelled()
+
+    marks = np.unique(np.append(np.arange(0, len(poses), stride), len(poses) - 1))
+    steps, obstacles = np.meshgrid(marks, np.arange(len(approach.polygons)), indexing="ij")
+    gaps, smallest = approach.gaps_below(steps.ravel(), obstacles.ravel(), smallest)
+    gaps = gaps.reshape(steps.shape)
+    first, last, obstacles = steps[:-1].ravel(), steps[1:].ravel(), obstacles[:-1].ravel()
+    gap_first, gap_last = gaps[:-1].ravel(), gaps[1:].ravel()
+    while len(first) and smallest > 0.0:
+        way = travelled[last, obstacles] - travelled[first, obstacles]
+        live = (last - first > 1) & (gap_first + gap_last - way < 2 * smallest)
+        first, last, obstacles = first[live], last[live], obstacles[live]
+        gap_first, gap_last = gap_first[live], gap_last[live]
+        middle = (first + last) // 2
+        gap_middle, smallest = approach.gaps_below(middle, obstacles, smallest)
+        first, last = np.concatenate([first, middle]), np.concatenate([middle, last])
+        gap_first = np.concatenate([gap_first, gap_middle])
+        gap_last = np.concatenate([gap_middle, gap_last])
+        obstacles = np.tile(obstacles, 2)
+    return smallest
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Approach:
+    """The footprint's motion as each polygonal obstacle sees it; obstacles do not turn.
+
+    Attributes:
+        polygons: (k,) shapely polygons in their own frames.
+        relative: (n, k, 2) footprint's centre in the polygons' frames, m.
+        yaw: (n,) of the footprint, rad.
+        half_side: m.
+    """
+
+    polygons: npt.NDArray[np.object_]
+    relative: FloatArray
+    yaw: FloatArray
+    half_side: float
+
+    def lower_bounds(self, steps: IntArray, obstacles: IntArray) -> FloatArray:
+        """Gaps between the footprint's outer circle and the obstacles' bounding boxes."""
+        box = shapely.bounds(self.polygons)[obstacles]
+        centre = self.relative[steps, obstacles]
+        outside = np.maximum(np.maximum(box[..., :2] - centre, centre - box[..., 2:]), 0.0)
+        reach = self.half_side * math.sqrt(2.0)
+        return np.maximum(np.hypot(outside[..., 0], outside[..., 1]) - reach, 0.0)
+
+    def gaps(self, steps: IntArray, obstacles: IntArray) -> FloatArray:
+        """(p,) exact gaps of p pairs of step and obstacle."""
+        cos, sin = np.cos(self.yaw[steps]), np.sin(self.yaw[steps])
+        turn = np.stack([np.stack([cos, sin], axis=-1), np.stack([-sin, cos], axis=-1)], axis=-2)
+        corners = self.relative[steps, obstacles, None] + self.half_side * _CORNERS @ turn
+        return shapely.distance(self.polygons[obstacles], shapely.polygons(corners))
+
+    def gaps_below(
+        self, steps: IntArray, obstacles: IntArray, smallest: float
+    ) -> tuple[FloatArray, float]:
+        """(p,) gaps, or for those that cannot be below `smallest` a lower bound not below it.
+
+        Also returns the new smallest gap.
+        """
+        gaps = self.lower_bounds(steps, obstacles)
+        near = gaps < smallest
+        gaps[near] = self.gaps(steps[near], obstacles[near])
+        return gaps, float(gaps.min(initial=smallest))
+
+    def travelled(self) -> FloatArray:
+        """(n, k) way since the start that no point of the footprint can have exceeded, m."""
+        moved = np.diff(self.relative, axis=0)
+        turned = self.half_side * math.sqrt(2.0) * np.abs(np.diff(self.yaw))
+        way = np.zeros(self.relative.shape[:2])
+        np.cumsum(np.hypot(moved[..., 0], moved[..., 1]) + turned[:, None], axis=0, out=way[1:])
+        return way
+
+
+def _shapes(mover_positions: FloatArray, world: "World") -> Iterator[tuple["Shape", FloatArray]]:
+    """Every obstacle's shape with the origins, (n, 2) or (2,), of the frame it is given in."""
+    for shape in world.static:
+        yield shape, np.zeros(2)
+    for index, mover in enumerate(world.movers):
+        yield mover.shape, mover_positions[:, index]
+
+
+def _approach(
+    poses: FloatArray, mover_positions: FloatArray, world: "World", half_side: float
+) -> _Approach:
+    found = [
+        (shape.footprint, origins)
+        for shape, origins in _shapes(mover_positions, world)
+        if shape.circle is None
+    ]
+    polygons = np.array([polygon for polygon, _ in found], dtype=object)
+    shapely.prepare(polygons)
+    relative = np.empty((len(poses), len(found), 2))
+    for index, (_, origins) in enumerate(found):
+        relative[:, index] = poses[:, :2] - origins
+    return _Approach(polygons, relative, poses[:, 2], half_side)
+
+
+def _wall_and_circle_gaps(
+    poses: FloatArray, mover_positions: FloatArray, world: "World", half_side: float
+) -> FloatArray:
+    """(n,) gaps to the walls and circles, which have closed forms; inf without any."""
+    gaps: FloatArray = np.full(len(poses), np.inf)
+    cos, sin = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    if world.scenario.walls:
+        x_min, y_min, x_max, y_max = world.scenario.bounds
+        reach = half_side * (np.abs(cos) + np.abs(sin))  # of the footprint along either axis
+        x, y = poses[:, 0], poses[:, 1]
+        gaps = np.minimum.reduce([x - x_min, x_max - x, y - y_min, y_max - y]) - reach
+    for shape, origins in _shapes(mover_positions, world):
+        if shape.circle is not None:
+            centre, radius = shape.circle[:2], shape.circle[2]
+            to_centre = origins + np.array(centre) - poses[:, :2]
+            ahead = np.abs(cos * to_centre[:, 0] + sin * to_centre[:, 1])
+            aside = np.abs(cos * to_centre[:, 1] - sin * to_centre[:, 0])
+            outside = np.hypot(np.maximum(ahead - half_side, 0), np.maximum(aside - half_side, 0))
+            gaps = np.minimum(gaps, outside - radius)
+    return gaps.clip(min=0.0)
