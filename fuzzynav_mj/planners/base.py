@@ -1,0 +1,70 @@
+"""What a planner is, what it may ask for, and what it is given."""
+
+from dataclasses import dataclass
+from typing import ClassVar, Protocol
+
+import numpy as np
+
+from fuzzynav_mj.robot import RobotSpec
+from fuzzynav_mj.types import Decision, FloatArray, Perception, Pose2D, Twist2D
+
+
+@dataclass(frozen=True, slots=True)
+class Requirements:
+    """What a planner is given besides its own pose, its twist and the goal; the rest is withheld.
+
+    Attributes:
+        perception: the scan and the obstacles perceived in it.
+        static_map: the polygons of the static obstacles.
+    """
+
+    perception: bool = True
+    static_map: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NavigationProblem:
+    """What is known before the first step.
+
+    Attributes:
+        goal: (x, y) in the world frame, m.
+        goal_yaw: heading to turn to on arrival, rad; None where any will do.
+        goal_tolerance: m.
+        spec: the robot's parameters.
+        static_map: polygons (k, 2) of obstacles and walls; None unless the planner requires it.
+    """
+
+    goal: tuple[float, float]
+    goal_yaw: float | None
+    goal_tolerance: float
+    spec: RobotSpec
+    static_map: tuple[FloatArray, ...] | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Observation:
+    """What is known at one decision.
+
+    Attributes:
+        stamp: simulated time, s.
+        pose: of the footprint's centre.
+        twist: of the robot.
+        perception: None unless the planner requires it.
+    """
+
+    stamp: float
+    pose: Pose2D
+    twist: Twist2D
+    perception: Perception | None
+
+
+class Planner(Protocol):
+    """Chooses the next position, once per decision period."""
+
+    requires: ClassVar[Requirements]
+
+    def reset(self, problem: NavigationProblem, rng: np.random.Generator) -> None:
+        """Begins an episode."""
+
+    def decide(self, observation: Observation) -> Decision:
+        """The next position, and why."""

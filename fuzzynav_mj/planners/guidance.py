@@ -1,0 +1,245 @@
+"""Where to head for: towards the goal, or along a boundary until that pays again.
+
+A bug algorithm with a range sensor (Kamon, Rimon, Rivlin 1998, TangentBug; the leaving condition
+with a minimum gain is DistBug's, Kamon, Rivlin 1997). Its memory is of constant size: mode, side,
+the point where following began, the smallest distance to the goal, and one point of the followed
+boundary. Movers and the fuzzy gate may hold the robot up; they never touch this state.
+"""
+
+from dataclasses import dataclass
+from math import atan2, hypot, pi
+from typing import Literal
+
+import numpy as np
+
+from fuzzynav_mj.planners.sight import Sight, Ways, direct_ways, free_distance, searched_ways
+from fuzzynav_mj.types import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class GuidanceSettings:
+    """Widths and gains of the guidance, m.
+
+    Attributes:
+        comfortable: half width of a passage that is taken without hesitation.
+        tight: half width of the narrowest passage that is taken at all.
+        tight_penalty: detour that is preferred to a tight passage.
+        gain: how much nearer to the goal than ever before a way must lead to stop following.
+        loop_radius: how near to its start a followed boundary counts as closed.
+        loop_length: shortest boundary that can be closed.
+    """
+
+    comfortable: float = 0.20
+    tight: float = 0.125
+    tight_penalty: float = 0.10
+    gain: float = 0.15
+    loop_radius: float = 0.25
+    loop_length: float = 1.5
+
+
+@dataclass(slots=True)
+class Following:
+    """The memory while following a boundary. Mutable: the guidance's own state.
+
+    Attributes:
+        side: +1 if the robot turned left at the boundary (which stays on its right), else -1.
+        start: (x, y) where following began.
+        edge: (x, y) a point of the boundary next to the way taken.
+        smallest: smallest distance to the goal so far, m.
+        length: distance travelled since `start`, m.
+        farthest: largest distance from `start` so far, m.
+    """
+
+    side: int
+    start: tuple[float, float]
+    edge: tuple[float, float]
+    smallest: float
+    length: float = 0.0
+    farthest: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Heading:
+    """What guidance wants.
+
+    Attributes:
+        subgoal: (x, y) world frame; the present place where no way leads on.
+        mode: what leads the robot.
+        direct: True if the goal itself is in straight reach, as far as can be seen.
+        closed_loops: how many boundaries have been followed all around.
+    """
+
+    subgoal: tuple[float, float]
+    mode: Literal["goal", "boundary", "blocked"]
+    direct: bool
+    closed_loops: int
+
+
+class Guidance:
+    """Chooses the subgoal for one decision after the other.
+
+    Args:
+        goal: (x, y) world frame, m.
+        tolerance: of the goal, m.
+        settings: widths and gains.
+    """
+
+    def __init__(
+        self,
+        goal: tuple[float, float],
+        tolerance: float,
+        settings: GuidanceSettings | None = None,
+    ) -> None:
+        self._goal = goal
+        self._tolerance = tolerance
+        self._settings = settings or GuidanceSettings()
+        self._following: Following | None = None
+        self._closed_loops = 0
+        self._last: tuple[float, float] | None = None
+
+    def head(self, place: tuple[float, float], sight: Sight) -> Heading:
+        """The subgoal at `place` (x, y) with what is in sight."""
+        step = 0.0 if self._last is None else hypot(place[0] - self._last[0], place[1] - self._last[1])
+        self._last = place
+        goal = np.array([self._goal[0] - place[0], self._goal[1] - place[1]])
+        distance = float(np.hypot(*goal))
+        if self._goal_in_reach(goal, distance, sight):
+            self._following = None
+            return self._heading(place, goal, "goal", direct=True)
+        ways = self._ways(goal, distance, sight)
+        if not ways.open.any():
+            return self._heading(place, np.zeros(2), "blocked")
+        left_over = np.hypot(ways.end[:, 0] - goal[0], ways.end[:, 1] - goal[1])
+        cost = ways.length + left_over
+        following = self._following
+        if following is None:
+            best = int(cost.argmin())
+            if left_over[best] < distance:
+                return self._heading(place, ways.via[best], "goal")
+            following = self._begin(place, goal, distance, sight, best)
+        else:
+            following.length += step
+            following.smallest = min(following.smallest, distance)
+            gaining = ways.open & (left_over < following.smallest - self._settings.gain)
+            if gaining.any():
+                self._following = None
+                best = int(np.where(gaining, cost, np.inf).argmin())
+                return self._heading(place, ways.via[best], "goal")
+            self._watch_loop(place, following)
+        chosen = self._along(place, sight, ways, following)
+        return self._heading(place, ways.via[chosen], "boundary")
+
+    def _heading(
+        self,
+        place: tuple[float, float],
+        target: FloatArray,
+        mode: Literal["goal", "boundary", "blocked"],
+        direct: bool = False,
+    ) -> Heading:
+        subgoal = (place[0] + float(target[0]), place[1] + float(target[1]))
+        return Heading(subgoal, mode, direct, self._closed_loops)
+
+    def _goal_in_reach(self, goal: FloatArray, distance: float, sight: Sight) -> bool:
+        bearing = np.array([atan2(goal[1], goal[0])])
+        if distance <= sight.max_range:
+            free = free_distance(sight.points, bearing, self._settings.tight)[0]
+            return bool(free >= distance - self._tolerance)
+        width = self._settings.comfortable
+        free = free_distance(sight.points, bearing, width)[0]
+        return bool(free >= sight.max_range - width)
+
+    def _ways(self, goal: FloatArray, distance: float, sight: Sight) -> Ways:
+        """Comfortable ways, tight ones where they save enough, searched ones where they might."""
+        settings = self._settings
+        easy = direct_ways(sight, settings.comfortable)
+        tight = direct_ways(sight, settings.tight)
+        ways = _either(easy, tight, settings.tight_penalty)
+        end = np.stack((np.cos(sight.bearings), np.sin(sight.bearings)), axis=1) * sight.max_range
+        hopeful = (sight.ranges >= sight.max_range - 1e-9) & ~ways.open
+        if hopeful.any():
+            promised = sight.max_range + np.hypot(end[:, 0] - goal[0], end[:, 1] - goal[1])
+            have = ways.length + np.hypot(ways.end[:, 0] - goal[0], ways.end[:, 1] - goal[1])
+            if self._following is not None or promised[hopeful].min() < have.min() - 0.05:
+                found = searched_ways(sight, settings.tight)
+                ways = _either(ways, found, settings.tight_penalty)
+        return ways
+
+    def _begin(
+        self,
+        place: tuple[float, float],
+        goal: FloatArray,
+        distance: float,
+        sight: Sight,
+        best: int,
+    ) -> Following:
+        bearing = atan2(goal[1], goal[0])
+        turn = (float(sight.bearings[best]) - bearing + pi) % (2 * pi) - pi
+        ray = _ray(bearing, sight)
+        ahead = min(float(sight.ranges[ray]), sight.max_range)
+        edge = (
+            place[0] + ahead * float(np.cos(bearing)),
+            place[1] + ahead * float(np.sin(bearing)),
+        )
+        self._following = Following(1 if turn >= 0 else -1, place, edge, distance)
+        return self._following
+
+    def _watch_loop(self, place: tuple[float, float], following: Following) -> None:
+        away = hypot(place[0] - following.start[0], place[1] - following.start[1])
+        following.farthest = max(following.farthest, away)
+        settings = self._settings
+        if (
+            following.length > settings.loop_length
+            and following.farthest > 2 * settings.loop_radius
+            and away < settings.loop_radius
+        ):
+            self._closed_loops += 1
+            following.side = -following.side
+            following.length = following.farthest = 0.0
+
+    def _along(
+        self, place: tuple[float, float], sight: Sight, ways: Ways, following: Following
+    ) -> int:
+        """Ray of the first way beside the followed boundary; remembers the boundary's new edge."""
+        count = len(sight.bearings)
+        start = _ray(atan2(following.edge[1] - place[1], following.edge[0] - place[0]), sight)
+        outwards = (start + following.side * np.arange(count)) % count
+        if ways.open[start]:
+            # The boundary has ended here: look behind its end, for at most a third of a turn.
+            inwards = (start - following.side * np.arange(count // 3)) % count
+            closed = np.flatnonzero(~ways.open[inwards])
+            steps = int(closed[0]) if len(closed) else 0
+            chosen = int(inwards[max(steps - 1, 0)])
+        else:
+            chosen = int(outwards[int(np.flatnonzero(ways.open[outwards])[0])])
+        beside = (chosen - following.side) % count
+        following.edge = _blocking_point(place, sight, beside)
+        return chosen
+
+
+def _either(first: Ways, second: Ways, penalty: float) -> Ways:
+    """For each bearing the shorter way, the second one burdened with a penalty."""
+    better = second.length + penalty < first.length
+    return Ways(
+        first.open | second.open,
+        np.where(better, second.length + penalty, first.length),
+        np.where(better[:, None], second.end, first.end),
+        np.where(better[:, None], second.via, first.via),
+    )
+
+
+def _ray(bearing: float, sight: Sight) -> int:
+    count = len(sight.bearings)
+    return round((bearing - float(sight.bearings[0])) * count / (2 * pi)) % count
+
+
+def _blocking_point(place: tuple[float, float], sight: Sight, ray: int) -> tuple[float, float]:
+    """World-frame point of the obstacle that closes the way at this ray."""
+    bearing = float(sight.bearings[ray])
+    c, s = float(np.cos(bearing)), float(np.sin(bearing))
+    if len(sight.points) == 0:
+        return (place[0] + c * sight.max_range, place[1] + s * sight.max_range)
+    along = sight.points[:, 0] * c + sight.points[:, 1] * s
+    across = np.abs(sight.points[:, 1] * c - sight.points[:, 0] * s)
+    nearest = int(np.where(along > 0.0, across, np.inf).argmin())
+    x, y = sight.points[nearest].tolist()
+    return (place[0] + x, place[1] + y)

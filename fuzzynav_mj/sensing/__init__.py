@@ -1,0 +1,1 @@
+"""From range readings to perceived obstacles."""

@@ -1,0 +1,65 @@
+"""Motion evidence of single points: where did the surface that a ray hits now lie before?
+
+A current hit is compared with the outline that an earlier look drew at the same bearing from the
+earlier pose. On a surface that stands still the hit lies on that outline, however the robot moved;
+the signed distance to it, along the outline's normal, is the surface's motion.
+"""
+
+from dataclasses import dataclass
+from math import cos, pi, sin
+
+import numpy as np
+
+from fuzzynav_mj.sensing.looks import Look
+from fuzzynav_mj.types import BoolArray, FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PointFlow:
+    """Motion of each current hit since an earlier look.
+
+    Attributes:
+        known: (m,) True where the hit can be compared with a surface of the earlier look.
+        distance: (m,) how far the surface moved along `normals`, m, positive towards the robot.
+        normals: (m, 2) unit normals of the earlier surface, towards the earlier pose.
+        intruding: (m,) True where the hit lies well inside what was free space before.
+        elapsed: s between the two looks.
+    """
+
+    known: BoolArray
+    distance: FloatArray
+    normals: FloatArray
+    intruding: BoolArray
+    elapsed: float
+
+
+def point_flow(
+    points: FloatArray, now: Look, before: Look, top_speed: float, margin: float, max_range: float
+) -> PointFlow:
+    """Flow of the current hits `points` (m, 2) against an earlier look.
+
+    Args:
+        points: current hits, world frame.
+        now: the look they belong to.
+        before: the earlier look.
+        top_speed: the fastest motion believed, m/s: a hit farther off belongs to another surface.
+        margin: how far inside free space a hit must lie to count as intruding, m.
+        max_range: the sensor's range, m.
+    """
+    count = len(before.ranges)
+    elapsed = now.stamp - before.stamp
+    offset = points - np.array([before.pose.x, before.pose.y])
+    c, s = cos(before.pose.yaw), sin(before.pose.yaw)
+    x = c * offset[:, 0] + s * offset[:, 1]
+    y = c * offset[:, 1] - s * offset[:, 0]
+    distance = np.hypot(x, y)
+    ray = ((np.arctan2(y, x) + pi) * (count / (2 * pi))).astype(int) % count
+    following = (ray + 1) % count
+    normals = before.normals[ray]
+    moved = ((points - before.points[ray]) * normals).sum(axis=1)
+    reach = top_speed * elapsed + margin
+    known = before.joined[ray] & (np.abs(moved) <= reach) & (distance < max_range)
+    # Between two rays only what is nearer than both was certainly seen to be free.
+    free = np.minimum(before.ranges[ray], before.ranges[following])
+    intruding = distance < free - margin
+    return PointFlow(known, moved, normals, intruding, elapsed)

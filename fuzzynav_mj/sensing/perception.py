@@ -1,0 +1,175 @@
+"""From a scan to perceived obstacles: what is where, does it move, and how fast.
+
+The memory is a few looks and the tracks of movers in sight: nothing of the world is kept.
+"""
+
+from collections import deque
+from dataclasses import dataclass
+from math import hypot, pi
+
+import numpy as np
+
+from fuzzynav_mj.robot import RobotSpec
+from fuzzynav_mj.sensing.flow import PointFlow, point_flow
+from fuzzynav_mj.sensing.looks import Look, take_look
+from fuzzynav_mj.sensing.segmentation import (
+    MOVING,
+    STATIC,
+    UNKNOWN,
+    Hits,
+    gather_hits,
+    split_by_motion,
+)
+from fuzzynav_mj.sensing.tracking import FORGET_AFTER, Track, nearest_track
+from fuzzynav_mj.sensing.visibility import visibility_matrix
+from fuzzynav_mj.types import FloatArray, IntArray, LaserScan, PerceivedObstacle, Perception, Pose2D
+
+
+@dataclass(frozen=True, slots=True)
+class PerceptionSettings:
+    """What is believed of movers and of the sensor.
+
+    Attributes:
+        looks: how many looks back the longer comparison reaches.
+        still: a surface that moved less than this between the compared looks stands still, m.
+        margin: how far inside former free space a hit must lie to count as intruding, m.
+        top_speed: the fastest motion believed, m/s.
+        flow_sigma: uncertainty of one hit's surface motion, m.
+        slowest: movers below this speed count as static, m/s.
+        mover_extent: the largest extent believed of a mover's visible side, m.
+    """
+
+    looks: int = 2
+    still: float = 0.010
+    margin: float = 0.05
+    top_speed: float = 0.8
+    flow_sigma: float = 0.006
+    slowest: float = 0.04
+    mover_extent: float = 0.7
+
+
+DEFAULT_SETTINGS = PerceptionSettings()
+
+
+class Perceiver:
+    """Turns one scan after the other into perceived obstacles.
+
+    Args:
+        spec: the robot's parameters.
+        settings: what is believed of movers and of the sensor.
+    """
+
+    def __init__(
+        self, spec: RobotSpec, settings: PerceptionSettings = DEFAULT_SETTINGS
+    ) -> None:
+        self._spec = spec
+        self._settings = settings
+        self._looks: deque[Look] = deque(maxlen=settings.looks)
+        self._tracks: list[Track] = []
+
+    def perceive(self, scan: LaserScan, pose: Pose2D) -> Perception:
+        """What this scan shows, in the light of the looks before it."""
+        now = take_look(scan, pose)
+        previous = self._looks[-1] if self._looks else None
+        visibility = visibility_matrix(now, previous, scan.bearings, self._spec.rings)
+        hits = gather_hits(now)
+        flows = self._flows(hits.points, now)
+        begin, flags = split_by_motion(hits.first, self._point_flags(hits.points, flows))
+        if previous is not None:
+            for track in self._tracks:
+                track.predict(now.stamp - previous.stamp)
+        obstacles = self._obstacles(hits, begin, flags, flows, pose)
+        self._tracks = [track for track in self._tracks if track.missed <= FORGET_AFTER]
+        self._looks.append(now)
+        return Perception(scan, obstacles, visibility)
+
+    def _flows(self, points: FloatArray, now: Look) -> list[PointFlow]:
+        """Flow against the oldest and the newest remembered look, the longer first."""
+        looks = [self._looks[0], self._looks[-1]] if len(self._looks) > 1 else list(self._looks)
+        settings = self._settings
+        return [
+            point_flow(
+                points, now, look, settings.top_speed, settings.margin, self._spec.sensor_range
+            )
+            for look in looks
+        ]
+
+    def _point_flags(self, points: FloatArray, flows: list[PointFlow]) -> IntArray:
+        """(m,) whether each hit moves, as far as it can be told."""
+        flags = np.full(len(points), UNKNOWN)
+        for flow in reversed(flows):  # the longer comparison has the last word
+            size = np.abs(flow.distance)
+            flags = np.where(flow.known & (size <= self._settings.still), STATIC, flags)
+            flags = np.where(flow.known & (size > self._settings.still), MOVING, flags)
+        for flow in flows:
+            flags = np.where(flow.intruding, MOVING, flags)
+        return flags
+
+    def _obstacles(
+        self,
+        hits: Hits,
+        begin: IntArray,
+        flags: IntArray,
+        flows: list[PointFlow],
+        pose: Pose2D,
+    ) -> tuple[PerceivedObstacle, ...]:
+        ends = np.append(begin, len(hits.points))[1:]
+        spans = [slice(int(a), int(b)) for a, b in zip(begin, ends, strict=True)]
+        velocities: list[FloatArray | None] = [None] * len(spans)
+        for index in np.argsort(-flags, kind="stable"):  # moving ones take the tracks first
+            span = spans[index]
+            velocities[index] = self._velocity(
+                hits.points[span], span, flows, bool(flags[index] == MOVING)
+            )
+        return tuple(
+            _perceived(hits.points[span], velocity, pose)
+            for span, velocity in zip(spans, velocities, strict=True)
+        )
+
+    def _velocity(
+        self, points: FloatArray, span: slice, flows: list[PointFlow], moving: bool
+    ) -> FloatArray | None:
+        """Velocity of one obstacle; None if it stands still."""
+        settings = self._settings
+        extent = points[-1] - points[0]
+        if not moving and (
+            not self._tracks or hypot(*extent.tolist()) > settings.mover_extent
+        ):
+            return None
+        centre = points.mean(axis=0)
+        track = nearest_track(self._tracks, centre)
+        if track is None:
+            if not moving or len(points) < 2:
+                return None
+            track = Track.begin(centre)
+            self._tracks.append(track)
+        information, evidence = np.zeros((2, 2)), np.zeros(2)
+        for flow in flows:
+            known = flow.known[span]
+            normals = flow.normals[span][known]
+            weight = (flow.elapsed / settings.flow_sigma) ** 2
+            information += weight * (normals.T @ normals)
+            evidence += (weight / flow.elapsed) * (normals.T @ flow.distance[span][known])
+        track.update(centre, information, evidence)
+        if track.speed < settings.slowest:
+            return None
+        return track.velocity
+
+
+def _perceived(
+    points: FloatArray, velocity: FloatArray | None, pose: Pose2D
+) -> PerceivedObstacle:
+    offset = points - np.array([pose.x, pose.y])
+    squared = offset[:, 0] ** 2 + offset[:, 1] ** 2
+    nearest = int(squared.argmin())
+    x, y = offset[nearest].tolist()
+    moving = velocity is not None
+    return PerceivedObstacle(
+        points=points,
+        nearest_point=points[nearest],
+        distance=hypot(x, y),
+        bearing=(float(np.arctan2(y, x)) - pose.yaw + pi) % (2 * pi) - pi,
+        dynamic=moving,
+        approaching=velocity is not None and float(velocity[0] * x + velocity[1] * y) < 0.0,
+        velocity=velocity if velocity is not None else np.zeros(2),
+    )

@@ -1,0 +1,81 @@
+"""Separates the hits of one look into obstacles, by gaps and by motion."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fuzzynav_mj.sensing.looks import Look
+from fuzzynav_mj.types import FloatArray, IntArray
+
+GAP = 0.10  # m: hits farther apart belong to separate obstacles; the robot is twice as wide
+MOVING, STATIC, UNKNOWN = 1, -1, 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Hits:
+    """The hits of one look in ray order, beginning at the start of an obstacle.
+
+    Attributes:
+        points: (m, 2) world frame.
+        first: (m,) True at the first hit of each group of hits without a gap between them.
+    """
+
+    points: FloatArray
+    first: np.ndarray
+
+
+def gather_hits(look: Look) -> Hits:
+    """The look's hits, split at gaps."""
+    rays = np.flatnonzero(look.hit)
+    if len(rays) == 0:
+        return Hits(np.empty((0, 2)), np.empty(0, dtype=bool))
+    points = look.points[rays]
+    steps = np.roll(points, -1, axis=0) - points
+    near = steps[:, 0] ** 2 + steps[:, 1] ** 2 < GAP**2
+    adjacent = np.roll(rays, -1) - rays
+    adjacent[-1] += len(look.hit)
+    linked = near | (look.joined[rays] & (adjacent == 1))
+    breaks = np.flatnonzero(~linked)
+    shift = 0 if len(breaks) == 0 else int(breaks[-1]) + 1
+    first = np.roll(np.roll(~linked, 1), -shift)
+    first[0] = True
+    return Hits(np.roll(points, -shift, axis=0), first)
+
+
+def split_by_motion(first: np.ndarray, flags: IntArray) -> tuple[IntArray, IntArray]:
+    """Splits groups further where moving hits and standing ones meet.
+
+    A mover that passes close to a wall is one group with it; its hits move, the wall's do not.
+
+    Args:
+        first: (m,) True at the first hit of each group.
+        flags: (m,) MOVING, STATIC or UNKNOWN for each hit.
+
+    Returns:
+        (k,) index of the first hit of each obstacle, and (k,) its flag.
+    """
+    flags = _fill_unknown(first, _drop_lone(first, flags))
+    starts = first | (flags != np.roll(flags, 1))
+    begin = np.flatnonzero(starts)
+    return begin, flags[begin]
+
+
+def _drop_lone(first: np.ndarray, flags: IntArray) -> IntArray:
+    """Overrules a single hit between two of the opposite kind in the same group."""
+    before, after = np.roll(flags, 1), np.roll(flags, -1)
+    inside = ~first & ~np.roll(first, -1)
+    lone = inside & (before == after) & (before == -flags) & (flags != UNKNOWN)
+    return np.where(lone, before, flags)
+
+
+def _fill_unknown(first: np.ndarray, flags: IntArray) -> IntArray:
+    """Gives unknown hits the flag of their neighbours in the same group; none: STATIC."""
+    filled = _fill_forward(first, flags)
+    last = np.roll(first, -1)
+    filled = _fill_forward(last[::-1], filled[::-1])[::-1]
+    return np.where(filled == UNKNOWN, STATIC, filled)
+
+
+def _fill_forward(first: np.ndarray, flags: IntArray) -> IntArray:
+    source = np.where((flags != UNKNOWN) | first, np.arange(len(flags)), 0)
+    return flags[np.maximum.accumulate(source)]

@@ -1,0 +1,356 @@
+"""The navigation task: next position in, wheel speeds, moving obstacles, contact checks."""
+
+from collections import OrderedDict
+from dataclasses import dataclass
+from math import atan2, cos, hypot, pi, sin
+
+import mujoco
+import numpy as np
+from dm_control import composer, mjcf
+from dm_control.composer.observation import observable
+from dm_env import specs
+
+from fuzzynav_mj.control import SpeedProfile, drive_towards, wheel_speeds, wheel_table
+from fuzzynav_mj.episode import BlockTruth
+from fuzzynav_mj.geometry import wrap_angle
+from fuzzynav_mj.robot import DEFAULT_ROBOT, RobotSpec
+from fuzzynav_mj.scenarios.schema import Scenario
+from fuzzynav_mj.scenarios.world import World, make_world
+from fuzzynav_mj.sensing.lidar import Lidar
+from fuzzynav_mj.tasks.arena import NavigationArena
+from fuzzynav_mj.tasks.robot import DiffDrive
+from fuzzynav_mj.types import Contact, FloatArray, LaserScan, Outcome, Pose2D, Twist2D, WheelSpeeds
+
+AT_FAULT_SPEED = 0.02  # m/s: slower than this the robot stood still when it was touched
+GOAL_YAW_TOLERANCE = 0.1  # rad
+_TABLE_STEPS = 400  # physics steps for which mover positions are computed at a time
+
+
+@dataclass(frozen=True, slots=True)
+class Streams:
+    """Independent random streams of one episode, all from one seed."""
+
+    scenario: np.random.Generator
+    sensor: np.random.Generator
+    planner: np.random.Generator
+
+
+def episode_streams(seed: int) -> Streams:
+    """The streams of the episode with this seed."""
+    children = np.random.SeedSequence(seed).spawn(3)
+    return Streams(*(np.random.default_rng(child) for child in children))
+
+
+class NavigateToGoal(composer.Task):
+    """Drives the robot from start to goal through one scenario.
+
+    Observations: `ranges` (ray_count,) m, the sensor's range where nothing is hit; `pose` (3,)
+    x, y, yaw in the world frame; `twist` (2,) forward speed and yaw rate; `goal` (2,) x, y.
+    Reward: 1 on reaching the goal, -1 on contact, else 0. The discount is 0 after either, and 1
+    when the time is up.
+
+    Args:
+        scenario: what to drive through.
+        seed: of the first episode; the k-th reset plays seed + k.
+        spec: the robot's parameters.
+    """
+
+    def __init__(self, scenario: Scenario, seed: int, spec: RobotSpec = DEFAULT_ROBOT) -> None:
+        self.scenario = scenario
+        self.spec = spec
+        self.seed = seed - 1  # the first reset advances it to the given one
+        self.streams = episode_streams(seed)
+        self.world: World = make_world(scenario, self.streams.scenario)
+        self._drawn_seed = seed
+        self._arena = NavigationArena(self.world)
+        self._robot = DiffDrive()
+        self._arena.add_free_entity(self._robot)
+        self.set_timesteps(spec.decision_period, spec.physics_period)
+        self._observables = OrderedDict(
+            ranges=observable.Generic(lambda physics: self.scan.ranges),
+            pose=observable.Generic(lambda physics: self._pose_vector()),
+            twist=observable.Generic(lambda physics: self._twist_vector()),
+            goal=observable.Generic(lambda physics: np.array(scenario.goal)),
+        )
+        for item in self._observables.values():
+            item.enabled = True
+
+    @property
+    def root_entity(self) -> NavigationArena:
+        """The arena."""
+        return self._arena
+
+    @property
+    def task_observables(self) -> OrderedDict[str, observable.Observable]:
+        """What an agent sees."""
+        return self._observables
+
+    @property
+    def redraws(self) -> bool:
+        """True if every seed has moving obstacles of its own."""
+        return bool(self.scenario.random_moving)
+
+    @property
+    def physics_steps_per_control_step(self) -> int:
+        """One: `advance` takes all physics steps of a decision period in a single block."""
+        return 1
+
+    def action_spec(self, physics: mjcf.Physics) -> specs.BoundedArray:
+        """Next position (x, y), world frame, m, within the scenario's bounds."""
+        x_min, y_min, x_max, y_max = self.scenario.bounds
+        return specs.BoundedArray(
+            shape=(2,),
+            dtype=np.float64,
+            minimum=(x_min, y_min),
+            maximum=(x_max, y_max),
+            name="next_position_x\tnext_position_y",
+        )
+
+    # Episode start -------------------------------------------------------------------------
+
+    def initialize_episode_mjcf(self, random_state: np.random.RandomState) -> None:
+        """Draws the moving obstacles of the next seed."""
+        del random_state
+        if self.redraws and self.seed + 1 != self._drawn_seed:
+            self._draw(self.seed + 1)
+            self._arena.set_movers(self.world.movers)
+
+    def _draw(self, seed: int) -> None:
+        self.streams = episode_streams(seed)
+        self.world = make_world(self.scenario, self.streams.scenario)
+        self._drawn_seed = seed
+
+    def after_compile(self, physics: mjcf.Physics, random_state: np.random.RandomState) -> None:
+        """Resolves names to indices and caches views, once per compilation."""
+        del random_state
+        model, data = physics.model.ptr, physics.data.ptr
+        self._model, self._data = model, data
+        self._lidar = Lidar(
+            model,
+            self._robot.mjcf_model.find("site", "lidar").full_identifier,
+            self.spec.ray_count,
+            self.spec.sensor_range,
+        )
+        joint = model.joint(mjcf.get_attachment_frame(self._robot.mjcf_model).full_identifier)
+        start, speed = int(joint.qposadr[0]), int(joint.dofadr[0])
+        self._place = data.qpos[start : start + 7]
+        self._place_slice = slice(start, start + 7)
+        self._speed_slice = slice(speed, speed + 6)
+        wheels = [
+            model.joint(self._robot.mjcf_model.find("joint", f"wheel_{side}").full_identifier)
+            for side in ("left", "right")
+        ]
+        self._wheel_dofs = np.array([int(wheel.dofadr[0]) for wheel in wheels])
+        self._ctrl = data.ctrl
+        self._ctrl_order = [
+            model.actuator(actuator.full_identifier).id for actuator in self._robot.actuators
+        ]
+        hit = model.sensor(self._robot.mjcf_model.find("sensor", "hit").full_identifier)
+        self._hit = data.sensordata[int(hit.adr[0]) : int(hit.adr[0]) + 1]
+        self._hull = model.geom(self._robot.mjcf_model.find("geom", "hull").full_identifier).id
+        self._mover_order = np.array(
+            [
+                int(model.body_mocapid[model.body(body.full_identifier).id])
+                for body in self._arena.mover_bodies
+            ],
+            dtype=int,
+        )
+        self._scan: LaserScan | None = None
+
+    def initialize_episode(
+        self, physics: mjcf.Physics, random_state: np.random.RandomState
+    ) -> None:
+        """Places the robot and the moving obstacles."""
+        del random_state
+        self.seed += 1
+        if self.seed != self._drawn_seed:
+            self._draw(self.seed)
+        self._contact: Contact | None = None
+        self._diverged = False
+        self._table_start, self._table = 0, np.empty((0, len(self.world.movers), 2))
+        self._step = 0
+        self._commanded = Twist2D(0.0, 0.0)
+        start = self.scenario.start
+        physics.data.ptr.qpos[self._place_slice] = (
+            start.x, start.y, 0.0, cos(start.yaw / 2), 0.0, 0.0, sin(start.yaw / 2)
+        )  # fmt: skip
+        self._set_movers(self._mover_rows(0, 1)[0])
+        self._scan = None
+        self.block: BlockTruth | None = None
+
+    # One decision period -------------------------------------------------------------------
+
+    def before_step(
+        self, physics: mjcf.Physics, action: FloatArray, random_state: np.random.RandomState
+    ) -> None:
+        """Turns the next position into wheel speeds inside the acceleration limits."""
+        del physics, random_state
+        x, y = (float(value) for value in action)
+        self.profile: SpeedProfile = drive_towards((x, y), self.pose, self._commanded, self.spec)
+        self._commanded = self.profile.final
+
+    def advance(self, physics: mjcf.Physics) -> None:
+        """Takes the physics steps of one decision period, or fewer where contact ends them.
+
+        Obstacles move and contact is checked on every step. The contact sensor speaks of the
+        state before a step, so the state after the last one is looked at separately.
+        """
+        model, data = self._model, self._data
+        steps = self.spec.substeps
+        movers = self._mover_rows(self._step, steps + 1)
+        wheels = wheel_table(self.profile, self.spec)
+        places, speeds = np.empty((steps, 7)), np.empty((steps, model.nv))
+        hit, ctrl, place, speed = self._hit, self._ctrl, self._place, data.qvel
+        taken = 0
+        for index in range(steps):
+            self._set_movers(movers[index])
+            ctrl[self._ctrl_order] = wheels[index]
+            mujoco.mj_step(model, data)
+            if hit[0] > 0.0:
+                break
+            places[index] = place
+            speeds[index] = speed
+            taken += 1
+        if taken == steps:
+            self._set_movers(movers[steps])
+            mujoco.mj_step1(model, data)
+        self._step += taken
+        if hit[0] > 0.0:
+            self._contact = self._read_contact()
+        self._diverged = not bool(np.isfinite(data.qpos).all())
+        self._scan = None
+        self.block = self._block_truth(places[:taken], speeds[:taken], movers[1 : taken + 1])
+
+    def _mover_rows(self, first: int, count: int) -> FloatArray:
+        """(count, movers, 2) mover positions at physics steps first, first + 1, ..."""
+        offset = first - self._table_start
+        if offset + count > len(self._table):
+            times = (first + np.arange(_TABLE_STEPS + count)) * self.spec.physics_period
+            rows = [mover.motion.positions(times) for mover in self.world.movers]
+            self._table = (
+                np.stack(rows, axis=1) if rows else np.empty((len(times), 0, 2))
+            )
+            self._table_start, offset = first, 0
+        return self._table[offset : offset + count]
+
+    def _set_movers(self, positions: FloatArray) -> None:
+        if len(positions):
+            self._data.mocap_pos[self._mover_order, :2] = positions
+
+    def _block_truth(
+        self, places: FloatArray, speeds: FloatArray, movers: FloatArray
+    ) -> BlockTruth:
+        w, z = places[:, 3], places[:, 6]
+        yaw = 2.0 * np.arctan2(z, w)
+        velocity = speeds[:, self._speed_slice]
+        c, s = np.cos(yaw), np.sin(yaw)
+        forward = velocity[:, 0] * c + velocity[:, 1] * s
+        left = velocity[:, 1] * c - velocity[:, 0] * s - self.spec.axle_offset * velocity[:, 5]
+        rates = speeds[:, self._wheel_dofs]
+        half = velocity[:, 5:6] * (self.spec.track / 2) * np.array([-1.0, 1.0])
+        rolling = forward[:, None] + half - rates * self.spec.wheel_radius
+        slip = np.hypot(np.abs(rolling).max(axis=1, initial=0.0), left)
+        poses = np.column_stack((places[:, 0], places[:, 1], wrap_angle(yaw)))
+        return BlockTruth(poses, movers, rates, slip)
+
+    def _read_contact(self) -> Contact:
+        data = self._data
+        velocity = data.qvel[self._speed_slice]
+        speed = hypot(float(velocity[0]), float(velocity[1]))
+        for first, second in data.contact.geom.tolist():
+            if self._hull in (first, second):
+                other = second if first == self._hull else first
+                name = self._model.geom(other).name.rsplit("/", 1)[-1]
+                kind, number, *_ = name.split("_")
+                label = "wall" if kind == "wall" else f"{kind}:{number}"
+                return Contact(float(data.time), label, speed, speed > AT_FAULT_SPEED)
+        raise RuntimeError("the contact sensor fired without a contact of the hull")
+
+    # What is seen, and how it ends ---------------------------------------------------------
+
+    @property
+    def pose(self) -> Pose2D:
+        """Present pose of the footprint's centre."""
+        x, y, _, w, _, _, z = self._place.tolist()
+        yaw = 2.0 * atan2(z, w)
+        return Pose2D(x, y, (yaw + pi) % (2 * pi) - pi)
+
+    @property
+    def twist(self) -> Twist2D:
+        """Present forward speed and yaw rate."""
+        velocity = self._data.qvel[self._speed_slice].tolist()
+        yaw = self.pose.yaw
+        return Twist2D(velocity[0] * cos(yaw) + velocity[1] * sin(yaw), velocity[5])
+
+    @property
+    def scan(self) -> LaserScan:
+        """The scan of the present state; the rays are cast once per decision."""
+        if self._scan is None:
+            self._scan = self._lidar.scan(self._data)
+        return self._scan
+
+    @property
+    def mover_positions(self) -> FloatArray:
+        """(movers, 2) present origins of the moving obstacles."""
+        return self._mover_rows(self._step, 1)[0].copy()
+
+    @property
+    def contact(self) -> Contact | None:
+        """The contact that ended the episode, if one did."""
+        return self._contact
+
+    @property
+    def time(self) -> float:
+        """Simulated time, s."""
+        return float(self._data.time)
+
+    @property
+    def wheel_command(self) -> WheelSpeeds:
+        """The wheel speeds commanded at the end of the last period."""
+        return wheel_speeds(self._commanded.v, self._commanded.omega, self.spec)
+
+    def at_goal(self) -> bool:
+        """True within the goal's tolerance, and turned to the goal's yaw if it has one."""
+        pose, scenario = self.pose, self.scenario
+        x, y = scenario.goal
+        if hypot(pose.x - x, pose.y - y) > scenario.goal_tolerance:
+            return False
+        if scenario.goal_yaw is None:
+            return True
+        return abs(float(wrap_angle(pose.yaw - scenario.goal_yaw))) <= GOAL_YAW_TOLERANCE
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """How the episode ended; None while it goes on."""
+        if self._diverged:
+            return Outcome.DIVERGED
+        if self._contact is not None:
+            return Outcome.CONTACT
+        if self.at_goal():
+            return Outcome.GOAL_REACHED
+        if self._data.time >= self.scenario.time_limit - self.spec.physics_period / 2:
+            return Outcome.TIMEOUT
+        return None
+
+    def should_terminate_episode(self, physics: mjcf.Physics) -> bool:
+        """True once the episode has an outcome."""
+        del physics
+        return self.outcome is not None
+
+    def get_reward(self, physics: mjcf.Physics) -> float:
+        """1 on reaching the goal, -1 on contact, else 0."""
+        del physics
+        return {Outcome.GOAL_REACHED: 1.0, Outcome.CONTACT: -1.0}.get(self.outcome, 0.0)
+
+    def get_discount(self, physics: mjcf.Physics) -> float:
+        """0 after goal or contact; 1 otherwise, also when the time is up."""
+        del physics
+        return 0.0 if self.outcome in (Outcome.GOAL_REACHED, Outcome.CONTACT) else 1.0
+
+    def _pose_vector(self) -> FloatArray:
+        pose = self.pose
+        return np.array([pose.x, pose.y, pose.yaw])
+
+    def _twist_vector(self) -> FloatArray:
+        twist = self.twist
+        return np.array([twist.v, twist.omega])

@@ -1,0 +1,87 @@
+"""The environment as the simulation that the episode runner knows."""
+
+import numpy as np
+
+from fuzzynav_mj.episode import BlockTruth
+from fuzzynav_mj.robot import RobotSpec
+from fuzzynav_mj.scenarios.schema import Scenario
+from fuzzynav_mj.scenarios.world import World
+from fuzzynav_mj.tasks.environment import NavigationEnvironment
+from fuzzynav_mj.tasks.navigation import NavigateToGoal
+from fuzzynav_mj.types import Contact, FloatArray, LaserScan, Outcome, Pose2D, Twist2D, WheelSpeeds
+
+
+class EpisodeSimulation:
+    """A reset environment seen as one episode."""
+
+    def __init__(self, scenario: Scenario, seed: int) -> None:
+        self._task = NavigateToGoal(scenario, seed)
+        self._environment = NavigationEnvironment(self._task)
+        self._environment.reset()
+
+    @property
+    def world(self) -> World:
+        """The obstacles of this episode."""
+        return self._task.world
+
+    @property
+    def spec(self) -> RobotSpec:
+        """The robot's parameters."""
+        return self._task.spec
+
+    @property
+    def seed(self) -> int:
+        """The episode's seed."""
+        return self._task.seed
+
+    @property
+    def planner_rng(self) -> np.random.Generator:
+        """The planner's own random stream."""
+        return self._task.streams.planner
+
+    @property
+    def pose(self) -> Pose2D:
+        """Present pose of the footprint's centre."""
+        return self._task.pose
+
+    @property
+    def twist(self) -> Twist2D:
+        """Present forward speed and yaw rate."""
+        return self._task.twist
+
+    @property
+    def time(self) -> float:
+        """Simulated time, s."""
+        return self._task.time
+
+    @property
+    def scan(self) -> LaserScan:
+        """The scan of the present state."""
+        return self._task.scan
+
+    @property
+    def mover_positions(self) -> FloatArray:
+        """(movers, 2) present origins of the moving obstacles."""
+        return self._task.mover_positions
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """How the episode ended; None while it goes on."""
+        return self._task.outcome
+
+    @property
+    def contact(self) -> Contact | None:
+        """The contact that ended the episode, if one did."""
+        return self._task.contact
+
+    @property
+    def wheel_command(self) -> WheelSpeeds:
+        """The wheel speeds commanded last."""
+        return self._task.wheel_command
+
+    def drive(self, next_position: tuple[float, float]) -> BlockTruth:
+        """Simulates one decision period towards the next position."""
+        self._environment.step(np.array(next_position))
+        block = self._task.block
+        assert block is not None
+        return block
