@@ -16,8 +16,8 @@ class RobotSpec:
     ray_count: int = 180
     max_speed: float = 0.5  # forwards and backwards
     max_acceleration: float = 2.0
-    max_yaw_rate: float = 4.0
-    max_yaw_acceleration: float = 15.0
+    max_yaw_rate: float = 3.0
+    max_yaw_acceleration: float = 10.0  # with 2 m/s2 this keeps the wheels below the servos' 2.95 m/s2
     decision_period: float = 0.1
     physics_period: float = 0.005
     wheel_radius: float = 0.0375

@@ -12,8 +12,15 @@ from typing import Literal
 
 import numpy as np
 
-from fuzzynav_mj.planners.sight import Sight, Ways, direct_ways, free_distance, searched_ways
-from fuzzynav_mj.types import FloatArray
+from fuzzynav_mj.planners.sight import (
+    Sight,
+    Ways,
+    direct_ways,
+    either,
+    free_distance,
+    searched_ways,
+)
+from fuzzynav_mj.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,14 +31,16 @@ class GuidanceSettings:
         comfortable: half width of a passage that is taken without hesitation.
         tight: half width of the narrowest passage that is taken at all.
         tight_penalty: detour that is preferred to a tight passage.
-        gain: how much nearer to the goal than ever before a way must lead to stop following.
+        search_gain: what a searched way must promise to save before a search is made.
+        gain: how much nearer to the goal than all of the boundary a way must lead to leave it.
         loop_radius: how near to its start a followed boundary counts as closed.
         loop_length: shortest boundary that can be closed.
     """
 
     comfortable: float = 0.20
-    tight: float = 0.125
+    tight: float = 0.15
     tight_penalty: float = 0.10
+    search_gain: float = 0.05
     gain: float = 0.15
     loop_radius: float = 0.25
     loop_length: float = 1.5
@@ -45,7 +54,7 @@ class Following:
         side: +1 if the robot turned left at the boundary (which stays on its right), else -1.
         start: (x, y) where following began.
         edge: (x, y) a point of the boundary next to the way taken.
-        smallest: smallest distance to the goal so far, m.
+        nearest: smallest distance to the goal of any point seen of the boundary, m.
         length: distance travelled since `start`, m.
         farthest: largest distance from `start` so far, m.
     """
@@ -53,7 +62,7 @@ class Following:
     side: int
     start: tuple[float, float]
     edge: tuple[float, float]
-    smallest: float
+    nearest: float
     length: float = 0.0
     farthest: float = 0.0
 
@@ -99,14 +108,18 @@ class Guidance:
 
     def head(self, place: tuple[float, float], sight: Sight) -> Heading:
         """The subgoal at `place` (x, y) with what is in sight."""
-        step = 0.0 if self._last is None else hypot(place[0] - self._last[0], place[1] - self._last[1])
+        step = (
+            0.0 if self._last is None else hypot(place[0] - self._last[0], place[1] - self._last[1])
+        )
         self._last = place
         goal = np.array([self._goal[0] - place[0], self._goal[1] - place[1]])
         distance = float(np.hypot(*goal))
+        if self._following is not None:
+            self._watch_boundary(place, goal, sight, self._following)
         if self._goal_in_reach(goal, distance, sight):
             self._following = None
             return self._heading(place, goal, "goal", direct=True)
-        ways = self._ways(goal, distance, sight)
+        ways = self._ways(place, goal, sight)
         if not ways.open.any():
             return self._heading(place, np.zeros(2), "blocked")
         left_over = np.hypot(ways.end[:, 0] - goal[0], ways.end[:, 1] - goal[1])
@@ -119,8 +132,7 @@ class Guidance:
             following = self._begin(place, goal, distance, sight, best)
         else:
             following.length += step
-            following.smallest = min(following.smallest, distance)
-            gaining = ways.open & (left_over < following.smallest - self._settings.gain)
+            gaining = ways.open & (left_over < following.nearest - self._settings.gain)
             if gaining.any():
                 self._following = None
                 best = int(np.where(gaining, cost, np.inf).argmin())
@@ -144,25 +156,44 @@ class Guidance:
         if distance <= sight.max_range:
             free = free_distance(sight.points, bearing, self._settings.tight)[0]
             return bool(free >= distance - self._tolerance)
+        following = self._following
+        if (
+            following is not None
+            and distance - sight.max_range >= following.nearest - self._settings.gain
+        ):
+            return False
         width = self._settings.comfortable
         free = free_distance(sight.points, bearing, width)[0]
         return bool(free >= sight.max_range - width)
 
-    def _ways(self, goal: FloatArray, distance: float, sight: Sight) -> Ways:
+    def _ways(self, place: tuple[float, float], goal: FloatArray, sight: Sight) -> Ways:
         """Comfortable ways, tight ones where they save enough, searched ones where they might."""
         settings = self._settings
         easy = direct_ways(sight, settings.comfortable)
         tight = direct_ways(sight, settings.tight)
-        ways = _either(easy, tight, settings.tight_penalty)
-        end = np.stack((np.cos(sight.bearings), np.sin(sight.bearings)), axis=1) * sight.max_range
-        hopeful = (sight.ranges >= sight.max_range - 1e-9) & ~ways.open
-        if hopeful.any():
-            promised = sight.max_range + np.hypot(end[:, 0] - goal[0], end[:, 1] - goal[1])
-            have = ways.length + np.hypot(ways.end[:, 0] - goal[0], ways.end[:, 1] - goal[1])
-            if self._following is not None or promised[hopeful].min() < have.min() - 0.05:
-                found = searched_ways(sight, settings.tight)
-                ways = _either(ways, found, settings.tight_penalty)
+        ways = either(easy, tight, settings.tight_penalty)
+        if self._search_might_help(place, goal, sight, ways):
+            found = searched_ways(sight, settings.tight, settings.comfortable)
+            ways = either(ways, found, settings.tight_penalty)
         return ways
+
+    def _search_might_help(
+        self, place: tuple[float, float], goal: FloatArray, sight: Sight, ways: Ways
+    ) -> bool:
+        """True if a ray sees free ground that no straight way reaches, and it would be wanted."""
+        hopeful = (sight.ranges >= sight.max_range - 1e-9) & ~ways.open
+        if not hopeful.any():
+            return False
+        if self._following is not None:
+            order = self._outwards(place, sight, self._following)
+            return bool((hopeful | ways.open)[order].argmax() < ways.open[order].argmax() - 1) or (
+                not ways.open.any()
+            )
+        unit = np.stack((np.cos(sight.bearings[hopeful]), np.sin(sight.bearings[hopeful])), axis=1)
+        rest = unit * sight.max_range - goal
+        promised = sight.max_range + np.hypot(rest[:, 0], rest[:, 1]).min()
+        have = ways.length + np.hypot(ways.end[:, 0] - goal[0], ways.end[:, 1] - goal[1])
+        return bool(promised < have.min() - self._settings.search_gain)
 
     def _begin(
         self,
@@ -181,7 +212,19 @@ class Guidance:
             place[1] + ahead * float(np.sin(bearing)),
         )
         self._following = Following(1 if turn >= 0 else -1, place, edge, distance)
+        self._watch_boundary(place, goal, sight, self._following)
         return self._following
+
+    def _watch_boundary(
+        self, place: tuple[float, float], goal: FloatArray, sight: Sight, following: Following
+    ) -> None:
+        """Notes how near to the goal the followed boundary comes, as far as it is seen now."""
+        if len(sight.points) == 0:
+            return
+        edge = np.array(following.edge) - np.array(place)
+        part = _connected(sight.points, edge, 2 * self._settings.tight)
+        left_over = np.hypot(part[:, 0] - goal[0], part[:, 1] - goal[1])
+        following.nearest = min(following.nearest, float(left_over.min()))
 
     def _watch_loop(self, place: tuple[float, float], following: Following) -> None:
         away = hypot(place[0] - following.start[0], place[1] - following.start[1])
@@ -201,30 +244,44 @@ class Guidance:
     ) -> int:
         """Ray of the first way beside the followed boundary; remembers the boundary's new edge."""
         count = len(sight.bearings)
-        start = _ray(atan2(following.edge[1] - place[1], following.edge[0] - place[0]), sight)
-        outwards = (start + following.side * np.arange(count)) % count
+        outwards = self._outwards(place, sight, following)
+        start = int(outwards[0])
         if ways.open[start]:
             # The boundary has ended here: look behind its end, for at most a third of a turn.
             inwards = (start - following.side * np.arange(count // 3)) % count
             closed = np.flatnonzero(~ways.open[inwards])
             steps = int(closed[0]) if len(closed) else 0
-            chosen = int(inwards[max(steps - 1, 0)])
+            first = int(inwards[max(steps - 1, 0)])
         else:
-            chosen = int(outwards[int(np.flatnonzero(ways.open[outwards])[0])])
-        beside = (chosen - following.side) % count
-        following.edge = _blocking_point(place, sight, beside)
-        return chosen
+            first = int(outwards[int(ways.open[outwards].argmax())])
+        following.edge = _blocking_point(place, sight, (first - following.side) % count)
+        # Within this opening, keep a comfortable distance where there is room for it.
+        opening = (first + following.side * np.arange(count // 4)) % count
+        end = int(np.append(ways.open[opening], False).argmin())
+        roomy = np.flatnonzero(ways.comfortable[opening[:end]])
+        return int(opening[roomy[0]]) if len(roomy) else first
+
+    def _outwards(
+        self, place: tuple[float, float], sight: Sight, following: Following
+    ) -> IntArray:
+        """All rays in turn, from the one at the boundary's edge away from the boundary."""
+        edge = following.edge
+        start = _ray(atan2(edge[1] - place[1], edge[0] - place[0]), sight)
+        count = len(sight.bearings)
+        return (start + following.side * np.arange(count)) % count
 
 
-def _either(first: Ways, second: Ways, penalty: float) -> Ways:
-    """For each bearing the shorter way, the second one burdened with a penalty."""
-    better = second.length + penalty < first.length
-    return Ways(
-        first.open | second.open,
-        np.where(better, second.length + penalty, first.length),
-        np.where(better[:, None], second.end, first.end),
-        np.where(better[:, None], second.via, first.via),
-    )
+def _connected(points: FloatArray, near: FloatArray, gap: float) -> FloatArray:
+    """The points (k, 2), in ray order, that hang together with the one nearest to `near`."""
+    steps = np.roll(points, -1, axis=0) - points
+    wide = np.hypot(steps[:, 0], steps[:, 1]) > gap
+    if not wide.any():
+        return points
+    first = int(np.flatnonzero(wide)[0]) + 1  # begin the numbering at a gap
+    group = np.roll(np.cumsum(np.roll(np.roll(wide, 1), -first)), first)
+    offset = points - near
+    own = group[int((offset[:, 0] ** 2 + offset[:, 1] ** 2).argmin())]
+    return points[group == own]
 
 
 def _ray(bearing: float, sight: Sight) -> int:

@@ -94,9 +94,7 @@ def _rollouts(
     return forward, reverse, _roll(v, omega, np.zeros(1), 0.0, spec)[0]
 
 
-def _roll(
-    v: float, omega: float, turns: FloatArray, aim: float, spec: RobotSpec
-) -> np.ndarray:
+def _roll(v: float, omega: float, turns: FloatArray, aim: float, spec: RobotSpec) -> np.ndarray:
     """(len(turns), HORIZON, 3) poses while turning by `turns` and driving at `aim`."""
     dt = spec.decision_period / _SUBSTEPS
     speed, rate = np.full(len(turns), v), np.full(len(turns), omega)

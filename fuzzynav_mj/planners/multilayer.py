@@ -34,7 +34,8 @@ class DecisionSettings:
     """Margins (m) and weights of the decision.
 
     Attributes:
-        static_margin: smallest gap kept to what stands.
+        static_margin: smallest gap kept to what stands, when creeping ...
+        static_margin_growth: ... and per m/s of speed.
         moving_margin: smallest gap kept to what moves, now ...
         moving_margin_growth: ... and per second of prediction.
         comfortable_gap: gap to standing obstacles below which a candidate costs more.
@@ -47,7 +48,8 @@ class DecisionSettings:
         stuck_time: s without leaving a circle of `stuck_radius` m.
     """
 
-    static_margin: float = 0.02
+    static_margin: float = 0.015
+    static_margin_growth: float = 0.05
     moving_margin: float = 0.04
     moving_margin_growth: float = 0.04
     comfortable_gap: float = 0.10
@@ -132,7 +134,10 @@ class MultilayerPlanner:
         standing = _to_robot(around.sight.points, pose)
         here = np.zeros((1, 1, 3), dtype=np.float32)
         gap_now = float(static_clearance(here, standing, spec.half_side)[0, 0])
-        margin = min(settings.static_margin, gap_now - 0.002)
+        margin = settings.static_margin + settings.static_margin_growth * np.abs(motions.speed)
+        # Closer than that already: no closer, and slowly.
+        slow = np.abs(motions.speed) < 0.3 * spec.max_speed
+        margin = np.where(slow, np.minimum(margin, gap_now - 0.001), margin)[:, None]
         static = static_clearance(motions.poses, standing, spec.half_side)
         # Drive on until just before what stands, then stop there.
         touching = static < margin
@@ -160,6 +165,7 @@ class MultilayerPlanner:
             moving=moving.min(axis=1),
             static_ok=static_ok,
             contact_step=contact,
+            soon=static[:, :4].min(axis=1),
             admissible=static_ok & (contact == HORIZON),
         )
 
@@ -183,11 +189,11 @@ class MultilayerPlanner:
         """The cheapest admissible candidate; none: the one that stays clear the longest."""
         if outlook.admissible.any():
             return int(np.where(outlook.admissible, cost, np.inf).argmin())
-        order = np.lexsort(
-            (cost, -np.minimum(outlook.static, outlook.moving), -outlook.contact_step)
-        )
-        safe = order[outlook.static_ok[order]]
-        return int(safe[0] if len(safe) else order[0])
+        if outlook.static_ok.any():
+            room = np.minimum(outlook.static, outlook.moving)
+            order = np.lexsort((cost, -room, -outlook.contact_step))
+            return int(order[outlook.static_ok[order]][0])
+        return int(outlook.soon.argmax())
 
     def _judge(
         self,
@@ -298,6 +304,7 @@ class _Outlook:
     moving: FloatArray
     static_ok: BoolArray
     contact_step: FloatArray
+    soon: FloatArray
     admissible: BoolArray
 
 
@@ -305,7 +312,7 @@ def _surroundings(perception: Perception, pose: Pose2D) -> _Surroundings:
     here = np.array([pose.x, pose.y])
     standing = [o.points for o in perception.obstacles if not o.dynamic]
     movers = [o for o in perception.obstacles if o.dynamic]
-    points = thin(np.concatenate(standing)) - here if standing else np.empty((0, 2))
+    points = thin(np.concatenate(standing) - here) if standing else np.empty((0, 2))
     scan = perception.scan
     ranges = scan.ranges
     bearings = scan.bearings + pose.yaw

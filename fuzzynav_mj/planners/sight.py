@@ -13,7 +13,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
-SPACING = 0.025  # m: points closer together than this along an outline are thinned out
+SPACING = 0.05  # hits are thinned out to this spacing along an outline, per metre of distance
 CELL = 0.05  # m: cell of the local search
 
 
@@ -43,12 +43,14 @@ class Ways:
         length: (n,) length of the way to `end`, m; inf where not open.
         end: (n, 2) where the way leaves what is seen, robot-centred.
         via: (n, 2) first point to head for in a straight line, robot-centred.
+        comfortable: (n,) True where the way keeps the comfortable width all along.
     """
 
     open: BoolArray
     length: FloatArray
     end: FloatArray
     via: FloatArray
+    comfortable: BoolArray
 
 
 def free_distance(points: FloatArray, bearings: FloatArray, width: float) -> FloatArray:
@@ -75,7 +77,19 @@ def direct_ways(sight: Sight, width: float) -> Ways:
     free = free_distance(sight.points, sight.bearings, width)
     is_open = (reach > 0.0) & (free >= np.minimum(reach, sight.max_range - width))
     end = _unit(sight.bearings) * np.maximum(reach, 0.0)[:, None]
-    return Ways(is_open, np.where(is_open, reach, np.inf), end, end)
+    return Ways(is_open, np.where(is_open, reach, np.inf), end, end, is_open)
+
+
+def either(first: Ways, second: Ways, penalty: float) -> Ways:
+    """For each bearing the shorter way, the second one burdened with a penalty."""
+    better = second.length + penalty < first.length
+    return Ways(
+        first.open | second.open,
+        np.where(better, second.length + penalty, first.length),
+        np.where(better[:, None], second.end, first.end),
+        np.where(better[:, None], second.via, first.via),
+        first.comfortable & ~better,
+    )
 
 
 def _hidden_reach(sight: Sight, width: float) -> FloatArray:
@@ -88,38 +102,42 @@ def _hidden_reach(sight: Sight, width: float) -> FloatArray:
     return np.where(jump, np.minimum(nearer + width, sight.ranges - width), 0.0)
 
 
-def searched_ways(sight: Sight, width: float) -> Ways:
-    """Ways found by a shortest-path search on a grid of the visible, unobstructed ground."""
+def searched_ways(sight: Sight, width: float, comfortable: float) -> Ways:
+    """Ways found by a shortest-path search on a grid of the visible, unobstructed ground.
+
+    No way comes closer than `width` to an obstacle, and the ground nearer than `comfortable`
+    costs up to three times its length.
+    """
     grid = _grid(sight.max_range)
     bearing = np.arctan2(grid.y, grid.x)
     count = len(sight.bearings)
     ray = np.floor((bearing - sight.bearings[0]) * (count / (2 * pi)) + 0.5).astype(int) % count
     distance = np.hypot(grid.x, grid.y)
+    gap = np.sqrt(_nearest_squared(grid, sight.points))
     visible = distance <= sight.ranges[ray] + 1e-9
-    passable = visible & (_nearest_squared(grid, sight.points) >= width**2)
+    passable = visible & (gap >= width)
     passable |= distance < 1.5 * CELL  # where the robot stands it may stand
     kept = passable[grid.tail] & passable[grid.head]
-    graph = csr_matrix(
-        (grid.cost[kept], (grid.tail[kept], grid.head[kept])), shape=(len(grid.x),) * 2
-    )
-    length, before = dijkstra(graph, indices=grid.origin, return_predecessors=True)
-    # The edge of sight: the best cell near it on each ray's bearing.
-    rim = np.flatnonzero((distance > sight.max_range - 1.5 * CELL) & np.isfinite(length))
-    total = np.full(count, np.inf)
-    target = np.full(count, grid.origin)
-    for cell in rim[np.argsort(-length[rim], kind="stable")]:
-        total[ray[cell]] = length[cell]
+    toll = 1.0 + 2.0 * np.clip((comfortable - gap) / (comfortable - width), 0.0, 1.0)
+    tail, head = grid.tail[kept], grid.head[kept]
+    graph = csr_matrix((grid.cost[kept] * toll[head], (tail, head)), shape=(len(grid.x),) * 2)
+    cost, before = dijkstra(graph, indices=grid.origin, return_predecessors=True)
+    # The edge of sight: the cheapest cell near it on each ray's bearing.
+    rim = np.flatnonzero((distance > sight.max_range - 1.5 * CELL) & np.isfinite(cost))
+    target = np.full(count, -1)
+    for cell in rim[np.argsort(-cost[rim], kind="stable")]:
         target[ray[cell]] = cell
-    is_open = np.isfinite(total) & (sight.ranges >= sight.max_range - 1e-9)
-    end = np.stack((grid.x[target], grid.y[target]), axis=1)
-    via = np.zeros((count, 2))
-    firsts: dict[int, tuple[float, float]] = {}
+    is_open = (target >= 0) & (sight.ranges >= sight.max_range - 1e-9)
+    length = np.full(count, np.inf)
+    end, via = np.zeros((count, 2)), np.zeros((count, 2))
+    legs: dict[int, tuple[float, tuple[float, float]]] = {}
     for index in np.flatnonzero(is_open):
         cell = int(target[index])
-        if cell not in firsts:
-            firsts[cell] = _first_leg(grid, before, cell, sight.points, width)
-        via[index] = firsts[cell]
-    return Ways(is_open, np.where(is_open, total, np.inf), end, via)
+        if cell not in legs:
+            legs[cell] = _legs(grid, before, cell, sight.points, width)
+        length[index], via[index] = legs[cell]
+        end[index] = grid.x[cell], grid.y[cell]
+    return Ways(is_open, length, end, via, np.zeros(count, dtype=bool))
 
 
 def _unit(bearings: FloatArray) -> FloatArray:
@@ -176,30 +194,32 @@ def _nearest_squared(grid: _Grid, points: FloatArray) -> FloatArray:
     return nearest
 
 
-def _first_leg(
+def _legs(
     grid: _Grid, before: IntArray, cell: int, points: FloatArray, width: float
-) -> tuple[float, float]:
-    """The farthest point of the way to `cell` that can be reached in a straight line."""
+) -> tuple[float, tuple[float, float]]:
+    """Length of the way to `cell`, and its farthest point that a straight line reaches."""
     chain = []
     while cell != grid.origin:
         chain.append(cell)
         cell = int(before[cell])
     if not chain:
-        return (0.0, 0.0)
+        return 0.0, (0.0, 0.0)
     x, y = grid.x[chain], grid.y[chain]
+    steps = np.hypot(np.diff(np.append(x, 0.0)), np.diff(np.append(y, 0.0)))
     free = free_distance(points, np.arctan2(y, x), width - 0.25 * CELL)
     straight = np.flatnonzero(free >= np.hypot(x, y) - width)
     best = int(straight[0]) if len(straight) else len(chain) - 1
-    return (float(x[best]), float(y[best]))
+    return float(steps.sum()), (float(x[best]), float(y[best]))
 
 
-def thin(points: FloatArray, spacing: float = SPACING) -> FloatArray:
-    """Keeps hits about `spacing` apart along an outline (k, 2) in ray order."""
+def thin(points: FloatArray) -> FloatArray:
+    """Thins out hits (k, 2), robot-centred and in ray order: densely kept near the robot, where a
+    missing corner would matter, and ever more sparsely farther away."""
     if len(points) < 3:
         return points
     steps = np.diff(points, axis=0)
-    travelled = np.cumsum(np.sqrt(steps[:, 0] ** 2 + steps[:, 1] ** 2))
-    bins = np.floor(np.concatenate(([0.0], travelled)) / spacing)
-    keep = np.concatenate(([True], bins[1:] != bins[:-1]))
-    keep[-1] = True
+    distance = np.sqrt(points[1:, 0] ** 2 + points[1:, 1] ** 2)
+    length = np.sqrt(steps[:, 0] ** 2 + steps[:, 1] ** 2)
+    bins = np.floor(np.cumsum(length / (SPACING * np.maximum(distance, 0.1))))
+    keep = np.concatenate(([True], bins[1:] != bins[:-1], [True]))
     return points[keep]

@@ -59,7 +59,23 @@ def point_flow(
     moved = ((points - before.points[ray]) * normals).sum(axis=1)
     reach = top_speed * elapsed + margin
     known = before.joined[ray] & (np.abs(moved) <= reach) & (distance < max_range)
+    # Behind the earlier surface: either that one moved away, or it is still there and merely hid
+    # this hit before. It has moved if the place where it was is seen to be free now.
+    behind = known & (moved < 0.0)
+    if behind.any():
+        freed = _depth_behind(before.points[ray[behind]], now) > -0.5 * moved[behind]
+        known[behind] = freed
     # Between two rays only what is nearer than both was certainly seen to be free.
     free = np.minimum(before.ranges[ray], before.ranges[following])
     intruding = distance < free - margin
     return PointFlow(known, moved, normals, intruding, elapsed)
+
+
+def _depth_behind(points: FloatArray, look: Look) -> FloatArray:
+    """(m,) how much farther than each point the look's rays reach beside it, m."""
+    count = len(look.ranges)
+    offset = points - np.array([look.pose.x, look.pose.y])
+    bearing = np.arctan2(offset[:, 1], offset[:, 0]) - look.pose.yaw + pi
+    ray = (bearing * (count / (2 * pi))).astype(int) % count
+    reach = np.minimum(look.ranges[ray], look.ranges[(ray + 1) % count])
+    return reach - np.hypot(offset[:, 0], offset[:, 1])

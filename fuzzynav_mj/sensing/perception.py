@@ -59,9 +59,7 @@ class Perceiver:
         settings: what is believed of movers and of the sensor.
     """
 
-    def __init__(
-        self, spec: RobotSpec, settings: PerceptionSettings = DEFAULT_SETTINGS
-    ) -> None:
+    def __init__(self, spec: RobotSpec, settings: PerceptionSettings = DEFAULT_SETTINGS) -> None:
         self._spec = spec
         self._settings = settings
         self._looks: deque[Look] = deque(maxlen=settings.looks)
@@ -132,9 +130,7 @@ class Perceiver:
         """Velocity of one obstacle; None if it stands still."""
         settings = self._settings
         extent = points[-1] - points[0]
-        if not moving and (
-            not self._tracks or hypot(*extent.tolist()) > settings.mover_extent
-        ):
+        if not moving and (not self._tracks or hypot(*extent.tolist()) > settings.mover_extent):
             return None
         centre = points.mean(axis=0)
         track = nearest_track(self._tracks, centre)
@@ -156,9 +152,7 @@ class Perceiver:
         return track.velocity
 
 
-def _perceived(
-    points: FloatArray, velocity: FloatArray | None, pose: Pose2D
-) -> PerceivedObstacle:
+def _perceived(points: FloatArray, velocity: FloatArray | None, pose: Pose2D) -> PerceivedObstacle:
     offset = points - np.array([pose.x, pose.y])
     squared = offset[:, 0] ** 2 + offset[:, 1] ** 2
     nearest = int(squared.argmin())
