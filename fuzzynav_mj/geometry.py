@@ -72,7 +72,8 @@ def footprints(poses: FloatArray, half_side: float) -> npt.NDArray[np.object_]:
     """Return the (n,) squares at (n, 3) `poses` (x, y, yaw), world frame."""
     square = half_side * np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
     corners = square @ np.swapaxes(rotation(poses[:, 2]), 1, 2) + poses[:, None, :2]
-    return shapely.polygons(corners)
+    squares: npt.NDArray[np.object_] = np.asarray(shapely.polygons(corners))
+    return squares
 
 
 def convex_parts(polygon: FloatArray) -> list[FloatArray]:
@@ -93,10 +94,10 @@ Part = list[int]  # indices of the outline's corners, counter-clockwise
 
 def _triangles(outline: FloatArray) -> list[Part]:
     index = {(x, y): i for i, (x, y) in enumerate(outline.tolist())}
-    triangles = shapely.constrained_delaunay_triangles(Polygon(outline)).geoms
+    triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(Polygon(outline)))
     parts = []
-    for triangle in triangles:
-        a, b, c = (index[corner] for corner in triangle.exterior.coords[:3])
+    for corners in shapely.get_coordinates(triangles).reshape(-1, 4, 2):  # first repeated last
+        a, b, c = (index[x, y] for x, y in corners[:3].tolist())
         parts.append([a, b, c] if signed_area(outline[[a, b, c]]) > 0 else [a, c, b])
     return parts
 

@@ -10,10 +10,11 @@ from shapely.geometry.base import BaseGeometry
 
 from fuzzynav_mj.robot import DEFAULT_ROBOT
 from fuzzynav_mj.scenarios.shape import Shape
-from fuzzynav_mj.types import BoolArray, FloatArray
+from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
 ARC_SEGMENTS = 16  # per quarter turn of an inflated corner
 TOUCH = 1e-7  # m; paths may run along what they must not enter
+ROUNDING = 1e-15  # m4, of the product of two cross products
 
 
 def shortest_path(
@@ -94,19 +95,21 @@ def _convex_corners(blocked: BaseGeometry) -> tuple[FloatArray, FloatArray, Floa
     return np.vstack(corners), np.vstack(befores), np.vstack(afters)
 
 
-def _edges(nodes: FloatArray, before: FloatArray, after: FloatArray) -> FloatArray:
+def _edges(nodes: FloatArray, before: FloatArray, after: FloatArray) -> IntArray:
     """Return the (m, 2) pairs of nodes whose join touches the obstacles at both without entering.
 
     A taut path bends around a corner, so its legs leave both of the corner's sides on one hand.
     A node that is its own neighbour, start or goal, admits every direction.
     """
-    first, second = np.triu_indices(len(nodes), k=1)
-    leg = nodes[second] - nodes[first]
-    taut = np.ones(len(first), dtype=bool)
-    for node in (first, second):
-        sides = _cross(leg, before[node] - nodes[node]), _cross(leg, after[node] - nodes[node])
-        taut &= sides[0] * sides[1] >= -1e-15
-    return np.column_stack([first, second])[taut]
+    product = np.ones((len(nodes), len(nodes)))
+    for neighbour in (before, after):
+        side = neighbour - nodes
+        at_node = _cross(nodes, side)
+        # [i, j]: on which hand of node i's side the leg from i to j leaves
+        product *= nodes[:, 0] * side[:, 1:] - nodes[:, 1] * side[:, :1] - at_node[:, None]
+    taut = product >= -ROUNDING
+    pairs: IntArray = np.argwhere(np.triu(taut & taut.T, k=1))
+    return pairs
 
 
 def _cross(a: FloatArray, b: FloatArray) -> FloatArray:

@@ -10,38 +10,43 @@ from fuzzynav_mj.robot import DEFAULT_ROBOT
 from fuzzynav_mj.scenarios.motion import ClosedCurveMotion, Mover
 from fuzzynav_mj.scenarios.schema import RandomMovingSpec, Scenario
 from fuzzynav_mj.scenarios.shape import Shape
-from fuzzynav_mj.types import FloatArray
+from fuzzynav_mj.types import BoolArray, FloatArray
 
 MARGIN = 0.02  # m kept between a mover and what it must not touch
 START_GAP = 1.0  # m between a mover and the robot at time 0
-CORRIDOR = 1.2  # m beside the straight line to the goal: curves that come into it are preferred
+CORRIDOR = 1.2  # m beside the straight line to the goal: curves that enter it are preferred
+SCALES = (1.0, 0.85, 0.7, 0.55, 0.45, 0.35, 0.28, 0.22, 0.17, 0.13, 0.1, 0.07, 0.05)
+CANDIDATES = 32  # curves tried at every scale
+ROUNDS = 60  # shapes and speeds tried before giving up
 SAMPLES = 64  # points of a candidate curve
 KNOTS = 512  # points of an accepted curve
-CANDIDATES = 24  # curves tried at once
-SCALES = (1.0, 0.85, 0.7, 0.55, 0.45, 0.35, 0.28, 0.22, 0.17, 0.13, 0.1, 0.07, 0.05)
-ROUNDS = 20  # shapes and speeds tried before giving up
-SLACK = 0.9  # share of the acceleration bound that the sampled curves may use
+SLACK = 0.95  # share of the acceleration bound that a curve may use
+SHARPEST = 0.08  # m; no curve turns on less, however slow: the knots resolve it
 
 
 def draw_movers(scenario: Scenario, rng: np.random.Generator) -> tuple[Mover, ...]:
     """Draw all random obstacles of `scenario`.
+
+    Radius, corners and speed are uniform in the ranges of the scenario, given that the region has
+    room for them: where nothing fits, all three are drawn anew.
 
     Raises:
         ScenarioError: no curve was found on which an obstacle keeps clear of the static ones,
             inside its region and away from the robot's start.
     """
     static = shapely.union_all([shape.footprint for shape in scenario.static])
+    arena = shapely.difference(shapely.box(*scenario.bounds), static)
     movers: list[Mover] = []
     for index, spec in enumerate(scenario.random_moving):
-        area = shapely.intersection(shapely.Polygon(spec.region), shapely.box(*scenario.bounds))
-        area = shapely.difference(area, static)
+        area = shapely.intersection(shapely.Polygon(spec.region), arena)
         for _ in range(int(rng.integers(spec.count[0], spec.count[1] + 1))):
             mover = _draw_mover(spec, scenario, area, rng)
             if mover is None:
                 raise ScenarioError(
-                    f"{scenario.source}: random_moving.{index}: given a region and shapes for which"
-                    " no free motion was found; allowed a region with room for movers between the"
-                    f" static obstacles and {START_GAP} m away from the robot's start"
+                    f"{scenario.source}: random_moving.{index}: given a region, radius, speed and "
+                    "acceleration for which no free motion was found; allowed those that leave "
+                    "room for a closed curve between the static obstacles, with a place on it "
+                    f"{START_GAP} m away from the robot's start"
                 )
             movers.append(mover)
     return tuple(movers)
@@ -56,36 +61,12 @@ def _draw_mover(
         concave = rng.random() < spec.concave_fraction
         polygon = draw_polygon(spec.vertices, concave, radius, rng)
         speed = rng.uniform(*spec.speed)
+        tightest = max(speed**2 / (SLACK * spec.acceleration), SHARPEST)
         keep_off = START_GAP + radius + DEFAULT_ROBOT.half_diagonal
-        motion = _draw_motion(area.buffer(-(radius + MARGIN)), ends, keep_off, speed, spec, rng)
+        motion = _draw_motion(area.buffer(-radius - MARGIN), ends, keep_off, speed, tightest, rng)
         if motion is not None:
             return Mover(Shape(polygon, None), motion)
     return None
-
-
-def _draw_motion(
-    free: BaseGeometry,
-    ends: FloatArray,
-    keep_off: float,
-    speed: float,
-    spec: RandomMovingSpec,
-    rng: np.random.Generator,
-) -> ClosedCurveMotion | None:
-    """Return a motion within `free`, the larger and the nearer to the robot's way the better."""
-    if free.is_empty:
-        return None
-    shapely.prepare(free)
-    fallback: ClosedCurveMotion | None = None
-    for scale in SCALES:
-        curves = _candidate_curves(free, scale, rng)
-        for curve in _fitting(curves, free, speed, spec.acceleration):
-            motion = _motion(curve, speed, ends[0], keep_off, free, rng)
-            if motion is None:
-                continue
-            if _distance_to_segment(motion.knots, ends).min() < CORRIDOR:
-                return motion
-            fallback = fallback or motion
-    return fallback
 
 
 def draw_polygon(
@@ -101,7 +82,7 @@ def draw_polygon(
     count = int(rng.integers(max(low, 4) if concave else low, high + 1))
     notches = int(rng.integers(1, min(count // 2, count - 3) + 1)) if concave else 0
     outer = count - notches
-    jitter = 0.1 if concave else 0.2
+    jitter = 0.1 if concave else 0.2  # below a quarter, so that no gap reaches a half turn
     turns = (np.arange(outer) + rng.uniform(-jitter, jitter, outer)) / outer
     angles = 2 * np.pi * turns + rng.uniform(0.0, 2 * np.pi)
     gaps = np.diff(np.append(angles, angles[0] + 2 * np.pi))
@@ -114,46 +95,85 @@ def draw_polygon(
     return np.column_stack([radii * np.cos(angles), radii * np.sin(angles)])[order]
 
 
-def _candidate_curves(free: BaseGeometry, scale: float, rng: np.random.Generator) -> FloatArray:
-    """Return (CANDIDATES, SAMPLES, 2) closed curves, `scale` of `free`'s longer side at most.
+def _draw_motion(
+    free: BaseGeometry,
+    ends: FloatArray,
+    keep_off: float,
+    speed: float,
+    tightest: float,
+    rng: np.random.Generator,
+) -> ClosedCurveMotion | None:
+    """Return a motion within `free`, the larger and the nearer to the robot's way the better.
 
-    Each is an ellipse, more or less squared (a third harmonic, so that it can run along a
-    corridor and turn gently at its ends), turned, dented (a second harmonic) and stretched to a
-    box of its own.
+    Args:
+        free: where the obstacle's origin may be.
+        ends: (2, 2) the robot's start and goal.
+        keep_off: distance of the obstacle's origin from the start at time 0, m.
+        speed: m/s.
+        tightest: smallest radius of curvature, m.
+        rng: source of the draw.
     """
+    if free.is_empty:
+        return None
+    shapely.prepare(free)
     x_min, y_min, x_max, y_max = free.bounds
-    size = np.array([x_max - x_min, y_max - y_min])
-    turns = np.arange(SAMPLES) * (2 * np.pi / SAMPLES)
-    squareness = rng.uniform(0.0, 0.09, (CANDIDATES, 1))
-    ovals = np.stack(
-        [
-            np.cos(turns) - squareness * np.cos(3 * turns),
-            rng.uniform(0.4, 1.0, (CANDIDATES, 1))
-            * (np.sin(turns) + squareness * np.sin(3 * turns)),
-        ],
-        axis=-1,
-    )
+    corner, size = np.array([x_min, y_min]), np.array([x_max - x_min, y_max - y_min])
+    unit_curves = _unit_curves(rng)
+    fallback: ClosedCurveMotion | None = None
+    for scale in SCALES:
+        longest = np.minimum(size, scale * size.max())
+        if longest.min() <= 2 * tightest:  # no closed curve is narrower than its gentlest circle
+            break
+        span = rng.uniform(np.maximum(0.4 * longest, 2 * tightest), longest, (CANDIDATES, 2))
+        low = corner + rng.random((CANDIDATES, 2)) * (size - span)
+        for curve in _fitting(low[:, None] + unit_curves * span[:, None], free, tightest):
+            motion = _motion(curve, speed, tightest, ends[0], keep_off, free, rng)
+            if motion is None:
+                continue
+            if _distance_to_segment(motion.knots, ends).min() < CORRIDOR:
+                return motion
+            fallback = fallback or motion
+    return fallback
+
+
+def _unit_curves(rng: np.random.Generator) -> FloatArray:
+    """Return (CANDIDATES, SAMPLES, 2) smooth closed curves, each with the unit square as its box.
+
+    Each is a racetrack: two half turns whose curvature swells and fades, and two straights
+    between them, some so short that the track is all but round. It may be tilted, and it is
+    dented a little by a second harmonic.
+    """
+    place = (np.arange(SAMPLES // 2) + 0.5) / (SAMPLES // 2)  # along one half of the track
+    turn = rng.uniform(0.15, 0.5, (CANDIDATES, 1))  # share of the half on either side of its middle
+    curvature = np.clip(2.0 * (1.0 - np.abs(place - 0.5) / turn), 0.0, 1.0)
+    heading = np.pi * np.cumsum(curvature, axis=1) / curvature.sum(axis=1, keepdims=True)
+    steps = np.stack([np.cos(heading), np.sin(heading)], axis=-1)
+    tracks = np.cumsum(np.concatenate([steps, -steps], axis=1), axis=1)  # closed by symmetry
     tilt = rng.uniform(0.0, np.pi, CANDIDATES) * (rng.random(CANDIDATES) < 0.5)
+    curves = _boxed(_boxed(tracks) @ rotation(tilt))
+    harmonic = 2 * (2 * np.pi / SAMPLES) * np.arange(SAMPLES)
     shift = rng.uniform(0.0, 2 * np.pi, (CANDIDATES, 1, 2))
-    dents = rng.normal(0.0, 0.08, (CANDIDATES, 1, 2)) * np.cos(2 * turns[:, None] + shift)
-    curves = ovals @ rotation(tilt) + dents
-    low, high = curves.min(axis=1), curves.max(axis=1)
-    span = np.minimum(size, scale * size.max()) * rng.uniform(0.4, 1.0, (CANDIDATES, 2))
-    corner = np.array([x_min, y_min]) + rng.random((CANDIDATES, 2)) * (size - span)
-    placed: FloatArray = (curves - low[:, None]) * (span / (high - low))[:, None] + corner[:, None]
-    return placed
+    dents = rng.normal(0.0, 0.04, (CANDIDATES, 1, 2)) * np.cos(harmonic[:, None] + shift)
+    return _boxed(curves + dents)
 
 
-def _fitting(
-    curves: FloatArray, free: BaseGeometry, speed: float, acceleration: float
-) -> FloatArray:
+def _boxed(curves: FloatArray) -> FloatArray:
+    low, high = curves.min(axis=1, keepdims=True), curves.max(axis=1, keepdims=True)
+    boxed: FloatArray = (curves - low) / (high - low)
+    return boxed
+
+
+def _fitting(curves: FloatArray, free: BaseGeometry, tightest: float) -> FloatArray:
     """Return those of the (c, samples, 2) curves that lie in `free` and are gentle enough."""
-    for stride in (8, 1):  # most misfits show on a few points
-        points = curves[:, ::stride]
-        curves = curves[shapely.contains_xy(free, points[..., 0], points[..., 1]).all(axis=1)]
-    bend = _curvature(curves).max(axis=1, initial=0.0)
-    gentle: FloatArray = curves[bend * speed**2 <= SLACK * acceleration]
-    return gentle
+    curves = curves[_inside(curves[:, ::8], free)]  # most misfits show on a few points
+    curves = curves[_curvature(curves).max(axis=1, initial=0.0) * tightest <= 1.0]
+    return curves[_inside(curves, free)]
+
+
+def _inside(curves: FloatArray, free: BaseGeometry) -> BoolArray:
+    points: BoolArray = np.asarray(shapely.contains_xy(free, curves[..., 0], curves[..., 1]))
+    inside: BoolArray = np.all(points, axis=1)
+    return inside
 
 
 def _curvature(curves: FloatArray) -> FloatArray:
@@ -172,16 +192,22 @@ def _curvature(curves: FloatArray) -> FloatArray:
 def _motion(
     curve: FloatArray,
     speed: float,
+    tightest: float,
     start: FloatArray,
     keep_off: float,
     free: BaseGeometry,
     rng: np.random.Generator,
 ) -> ClosedCurveMotion | None:
-    """Return a motion around the (samples, 2) curve, or None if it leaves `free` or the start."""
+    """Return a motion around the (samples, 2) curve, or None.
+
+    None if the curve between the samples turns more sharply than `tightest` or leaves `free`, or
+    if it keeps too near to `start` all around.
+    """
     fine = 4 * KNOTS
-    spectrum = np.fft.rfft(curve, axis=0)
-    dense = np.fft.irfft(spectrum, fine, axis=0) * (fine / len(curve))
+    dense = np.fft.irfft(np.fft.rfft(curve, axis=0), fine, axis=0) * (fine / len(curve))
     closed = np.vstack([dense, dense[:1]])
+    if _curvature(dense[None]).max() * tightest > 1.0:
+        return None
     if not shapely.covers(free, shapely.linestrings(closed)):
         return None
     arcs = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))])
@@ -198,6 +224,6 @@ def _motion(
 
 def _distance_to_segment(points: FloatArray, ends: FloatArray) -> FloatArray:
     leg = ends[1] - ends[0]
-    along = np.clip((points - ends[0]) @ leg / (leg @ leg), 0.0, 1.0)
+    along = np.clip((points - ends[0]) @ leg / max(leg @ leg, 1e-12), 0.0, 1.0)
     distance: FloatArray = np.hypot(*(points - ends[0] - along[:, None] * leg).T)
     return distance
