@@ -35,6 +35,9 @@ class PerceptionSettings:
         margin: how far inside former free space a hit must lie to count as intruding, m.
         top_speed: the fastest motion believed, m/s.
         flow_sigma: uncertainty of one hit's surface motion, m.
+        independent_hits: hits on one obstacle beyond this number tell nothing new.
+        outlier: deviation from the obstacle's motion at which a hit counts half, m/s.
+        outline_sigma: uncertainty of the middle of a visible outline, m.
         slowest: movers below this speed count as static, m/s.
         mover_extent: the largest extent believed of a mover's visible side, m.
     """
@@ -44,9 +47,14 @@ class PerceptionSettings:
     margin: float = 0.05
     top_speed: float = 0.8
     flow_sigma: float = 0.006
+    independent_hits: float = 6.0
+    outlier: float = 0.06
+    outline_sigma: float = 0.015
     slowest: float = 0.04
     mover_extent: float = 0.7
 
+
+END_DEPTH = 0.05  # m: an outline ends where the next ray reaches this much farther
 
 DEFAULT_SETTINGS = PerceptionSettings()
 
@@ -72,11 +80,12 @@ class Perceiver:
         visibility = visibility_matrix(now, previous, scan.bearings, self._spec.rings)
         hits = gather_hits(now)
         flows = self._flows(hits.points, now)
-        begin, flags = split_by_motion(hits.first, self._point_flags(hits.points, flows))
+        flags = self._point_flags(hits.points, flows)
+        begin, flags = split_by_motion(hits, flags, self._settings.mover_extent)
         if previous is not None:
             for track in self._tracks:
                 track.predict(now.stamp - previous.stamp)
-        obstacles = self._obstacles(hits, begin, flags, flows, pose)
+        obstacles = self._obstacles(hits, begin, flags, flows, now)
         self._tracks = [track for track in self._tracks if track.missed <= FORGET_AFTER]
         self._looks.append(now)
         return Perception(scan, obstacles, visibility)
@@ -109,7 +118,7 @@ class Perceiver:
         begin: IntArray,
         flags: IntArray,
         flows: list[PointFlow],
-        pose: Pose2D,
+        now: Look,
     ) -> tuple[PerceivedObstacle, ...]:
         ends = np.append(begin, len(hits.points))[1:]
         spans = [slice(int(a), int(b)) for a, b in zip(begin, ends, strict=True)]
@@ -117,18 +126,18 @@ class Perceiver:
         for index in np.argsort(-flags, kind="stable"):  # moving ones take the tracks first
             span = spans[index]
             velocities[index] = self._velocity(
-                hits.points[span], span, flows, bool(flags[index] == MOVING)
+                hits, span, flows, bool(flags[index] == MOVING), now
             )
         return tuple(
-            _perceived(hits.points[span], velocity, pose)
+            _perceived(hits.points[span], velocity, now.pose)
             for span, velocity in zip(spans, velocities, strict=True)
         )
 
     def _velocity(
-        self, points: FloatArray, span: slice, flows: list[PointFlow], moving: bool
+        self, hits: Hits, span: slice, flows: list[PointFlow], moving: bool, now: Look
     ) -> FloatArray | None:
         """Velocity of one obstacle; None if it stands still."""
-        settings = self._settings
+        settings, points = self._settings, hits.points[span]
         extent = points[-1] - points[0]
         if not moving and (not self._tracks or hypot(*extent.tolist()) > settings.mover_extent):
             return None
@@ -139,17 +148,65 @@ class Perceiver:
                 return None
             track = Track.begin(centre)
             self._tracks.append(track)
-        information, evidence = np.zeros((2, 2)), np.zeros(2)
-        for flow in flows:
-            known = flow.known[span]
-            normals = flow.normals[span][known]
-            weight = (flow.elapsed / settings.flow_sigma) ** 2
-            information += weight * (normals.T @ normals)
-            evidence += (weight / flow.elapsed) * (normals.T @ flow.distance[span][known])
+        information, evidence = self._surface_motion(span, flows, track)
+        middle = _outline_middle(hits, span, now)
+        if middle is None:
+            track.outlines.clear()
+        else:
+            if track.outlines:
+                across, along = self._outline_motion(now, middle, track)
+                information += across
+                evidence += along
+            track.outlines.append((now.stamp, middle))
         track.update(centre, information, evidence)
         if track.speed < settings.slowest:
             return None
         return track.velocity
+
+    def _surface_motion(
+        self, span: slice, flows: list[PointFlow], track: Track
+    ) -> tuple[FloatArray, FloatArray]:
+        """What the normal motions of the hits tell of the velocity: sums of n n^T and of n (n . v),
+        over the variance."""
+        settings = self._settings
+        known = np.concatenate([flow.known[span] for flow in flows])
+        normals = np.concatenate([flow.normals[span] for flow in flows])[known]
+        elapsed = np.concatenate([np.full(flow.known[span].shape, flow.elapsed) for flow in flows])
+        rate = np.concatenate([flow.distance[span] for flow in flows])[known] / elapsed[known]
+        weight = (elapsed[known] / settings.flow_sigma) ** 2
+        weight *= min(1.0, settings.independent_hits / max(len(rate), 1))
+        velocity, prior = track.velocity, np.linalg.inv(track.covariance)
+        for _ in range(2):  # the second pass gives less weight to hits on another face
+            information = (normals.T * weight) @ normals
+            evidence = (normals.T * weight) @ rate
+            velocity = np.linalg.solve(prior + information, prior @ track.velocity + evidence)
+            weight = weight / (1.0 + ((normals @ velocity - rate) / settings.outlier) ** 2)
+        return information, evidence
+
+    def _outline_motion(
+        self, now: Look, middle: FloatArray, track: Track
+    ) -> tuple[FloatArray, FloatArray]:
+        """What the shift of the visible outline tells of the motion across the line of sight."""
+        stamp, before = track.outlines[0]
+        elapsed = now.stamp - stamp
+        sight = middle - np.array([now.pose.x, now.pose.y])
+        across = np.array([-sight[1], sight[0]]) / max(float(np.hypot(*sight)), 1e-9)
+        weight = (elapsed / self._settings.outline_sigma) ** 2
+        rate = float(across @ (middle - before)) / elapsed
+        return weight * np.outer(across, across), weight * rate * across
+
+
+def _outline_middle(hits: Hits, span: slice, look: Look) -> FloatArray | None:
+    """Middle between the two ends of an obstacle's visible outline; None if one may be hidden."""
+    count = len(look.ranges)
+    first, last = hits.rays[span.start], hits.rays[span.stop - 1]
+    if (
+        look.ranges[(first - 1) % count] < look.ranges[first] + END_DEPTH
+        or look.ranges[(last + 1) % count] < look.ranges[last] + END_DEPTH
+    ):
+        return None
+    middle: FloatArray = (hits.points[span.start] + hits.points[span.stop - 1]) / 2
+    return middle
 
 
 def _perceived(points: FloatArray, velocity: FloatArray | None, pose: Pose2D) -> PerceivedObstacle:

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from fuzzynav_mj.sensing.looks import Look
-from fuzzynav_mj.types import FloatArray, IntArray
+from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
 GAP = 0.10  # m: hits farther apart belong to separate obstacles; the robot is twice as wide
+MOVING_SHARE = 0.25  # of a small group's hits must move for the whole of it to be a mover
 MOVING, STATIC, UNKNOWN = 1, -1, 0
 
 
@@ -17,18 +18,20 @@ class Hits:
 
     Attributes:
         points: (m, 2) world frame.
+        rays: (m,) the rays that hit.
         first: (m,) True at the first hit of each group of hits without a gap between them.
     """
 
     points: FloatArray
-    first: np.ndarray
+    rays: IntArray
+    first: BoolArray
 
 
 def gather_hits(look: Look) -> Hits:
     """The look's hits, split at gaps."""
     rays = np.flatnonzero(look.hit)
     if len(rays) == 0:
-        return Hits(np.empty((0, 2)), np.empty(0, dtype=bool))
+        return Hits(np.empty((0, 2)), rays, np.empty(0, dtype=bool))
     points = look.points[rays]
     steps = np.roll(points, -1, axis=0) - points
     near = steps[:, 0] ** 2 + steps[:, 1] ** 2 < GAP**2
@@ -39,28 +42,49 @@ def gather_hits(look: Look) -> Hits:
     shift = 0 if len(breaks) == 0 else int(breaks[-1]) + 1
     first = np.roll(np.roll(~linked, 1), -shift)
     first[0] = True
-    return Hits(np.roll(points, -shift, axis=0), first)
+    return Hits(np.roll(points, -shift, axis=0), np.roll(rays, -shift), first)
 
 
-def split_by_motion(first: np.ndarray, flags: IntArray) -> tuple[IntArray, IntArray]:
+def split_by_motion(
+    hits: Hits, flags: IntArray, mover_extent: float
+) -> tuple[IntArray, IntArray]:
     """Splits groups further where moving hits and standing ones meet.
 
     A mover that passes close to a wall is one group with it; its hits move, the wall's do not.
+    A group no larger than a mover, a fair share of it moving, moves as a whole: a side that
+    slides along itself merely does not show it.
 
     Args:
-        first: (m,) True at the first hit of each group.
-        flags: (m,) MOVING, STATIC or UNKNOWN for each hit.
+        hits: the hits and their groups.
+        flags: (m,) MOVING_SHARE = 0.25  # of a small group's hits must move for the whole of it to be a mover
+MOVING, STATIC or UNKNOWN for each hit.
+        mover_extent: largest extent of a mover's visible side, m.
 
     Returns:
         (k,) index of the first hit of each obstacle, and (k,) its flag.
     """
-    flags = _fill_unknown(first, _drop_lone(first, flags))
+    first = hits.first
+    if len(first) == 0:
+        return np.empty(0, dtype=np.intp), flags
+    flags = _whole_movers(hits, _drop_lone(first, flags), mover_extent)
+    flags = _fill_unknown(first, flags)
     starts = first | (flags != np.roll(flags, 1))
     begin = np.flatnonzero(starts)
     return begin, flags[begin]
 
 
-def _drop_lone(first: np.ndarray, flags: IntArray) -> IntArray:
+def _whole_movers(hits: Hits, flags: IntArray, mover_extent: float) -> IntArray:
+    begin = np.flatnonzero(hits.first)
+    group = np.cumsum(hits.first) - 1
+    size = np.bincount(group)
+    moving = np.bincount(group, weights=flags == MOVING)
+    low = np.minimum.reduceat(hits.points, begin, axis=0)
+    extent = (np.maximum.reduceat(hits.points, begin, axis=0) - low).max(axis=1)
+    whole = (moving >= np.maximum(MOVING_SHARE * size, 2.0)) & (extent <= mover_extent)
+    return np.where(whole[group], MOVING, flags)
+
+
+def _drop_lone(first: BoolArray, flags: IntArray) -> IntArray:
     """Overrules a single hit between two of the opposite kind in the same group."""
     before, after = np.roll(flags, 1), np.roll(flags, -1)
     inside = ~first & ~np.roll(first, -1)
@@ -68,7 +92,7 @@ def _drop_lone(first: np.ndarray, flags: IntArray) -> IntArray:
     return np.where(lone, before, flags)
 
 
-def _fill_unknown(first: np.ndarray, flags: IntArray) -> IntArray:
+def _fill_unknown(first: BoolArray, flags: IntArray) -> IntArray:
     """Gives unknown hits the flag of their neighbours in the same group; none: STATIC."""
     filled = _fill_forward(first, flags)
     last = np.roll(first, -1)
@@ -76,6 +100,6 @@ def _fill_unknown(first: np.ndarray, flags: IntArray) -> IntArray:
     return np.where(filled == UNKNOWN, STATIC, filled)
 
 
-def _fill_forward(first: np.ndarray, flags: IntArray) -> IntArray:
+def _fill_forward(first: BoolArray, flags: IntArray) -> IntArray:
     source = np.where((flags != UNKNOWN) | first, np.arange(len(flags)), 0)
     return flags[np.maximum.accumulate(source)]

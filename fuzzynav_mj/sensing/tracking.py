@@ -1,6 +1,7 @@
 """Velocities of moving obstacles: a constant-velocity filter over the looks."""
 
-from dataclasses import dataclass
+from collections import deque
+from dataclasses import dataclass, field
 from math import hypot
 
 import numpy as np
@@ -22,12 +23,15 @@ class Track:
         velocity: (2,) m/s.
         covariance: (2, 2) of the velocity.
         missed: looks since it was seen.
+        outlines: (stamp, middle of the visible outline's two ends) of the last looks that showed
+            both ends.
     """
 
     centre: FloatArray
     velocity: FloatArray
     covariance: FloatArray
     missed: int = 0
+    outlines: deque[tuple[float, FloatArray]] = field(default_factory=lambda: deque(maxlen=3))
 
     @classmethod
     def begin(cls, centre: FloatArray) -> "Track":
