@@ -288,7 +288,8 @@ class MultilayerPlanner:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Surroundings:
-    """What stands, robot-centred; what moves, world frame, with velocities, (k, 2) each."""
+    """What stands, and what moves with its velocities, (k, 2) each; robot-centred, axes parallel to
+    the world's."""
 
     sight: Sight
     moving: FloatArray
@@ -318,7 +319,7 @@ def _surroundings(perception: Perception, pose: Pose2D) -> _Surroundings:
     bearings = scan.bearings + pose.yaw
     if movers:
         ranges = _seen_through(ranges, bearings, movers, here, scan.max_range)
-        moving = np.concatenate([o.points for o in movers])
+        moving = np.concatenate([o.points for o in movers]) - here
         velocities = np.concatenate([np.tile(o.velocity, (len(o.points), 1)) for o in movers])
     else:
         moving = velocities = np.empty((0, 2))
