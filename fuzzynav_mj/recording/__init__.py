@@ -1,0 +1,1 @@
+"""What a recording shows, as plain arrays; `fuzzynav_mj.rerun_log` writes them."""
