@@ -9,12 +9,11 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
+from fuzzynav_mj.geometry import footprints
 from fuzzynav_mj.types import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from fuzzynav_mj.scenarios.world import Shape, World
-
-_CORNERS = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
 
 
 def clearances(
@@ -123,10 +122,8 @@ class _Approach:
 
     def gaps(self, steps: IntArray, obstacles: IntArray) -> FloatArray:
         """(p,) exact gaps of p pairs of step and obstacle."""
-        cos, sin = np.cos(self.yaw[steps]), np.sin(self.yaw[steps])
-        turn = np.stack([np.stack([cos, sin], axis=-1), np.stack([-sin, cos], axis=-1)], axis=-2)
-        corners = self.relative[steps, obstacles, None] + self.half_side * _CORNERS @ turn
-        return shapely.distance(self.polygons[obstacles], shapely.polygons(corners))
+        poses = np.column_stack([self.relative[steps, obstacles], self.yaw[steps]])
+        return shapely.distance(self.polygons[obstacles], footprints(poses, self.half_side))
 
     def gaps_below(
         self, steps: IntArray, obstacles: IntArray, smallest: float
