@@ -118,6 +118,7 @@ def _route(key: str, moving: MovingTable) -> Iterator[Problem]:
 
 
 def _speed(key: str, speed: float, allow_faster: bool, robot: RobotSpec) -> Iterator[Problem]:
+    # Keyframes state times instead of a speed and are taken as they are.
     if speed > robot.max_speed and not allow_faster:
         yield Problem(
             key,

@@ -56,7 +56,7 @@ def load_scenario(name_or_path: str) -> Scenario:
         content = Path(name_or_path).read_bytes()
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        problem = Problem("file", f"one that cannot be read ({reason})", "a readable TOML file")
+        problem = Problem("file", f"a path that cannot be read ({reason})", "a readable .toml file")
         raise scenario_error(name_or_path, [problem]) from None
     return parse_scenario(content, name_or_path)
 
@@ -89,9 +89,9 @@ def _read_toml(content: bytes, source: str) -> dict[str, Any]:
         line = content[: error.start].count(b"\n") + 1
         problem = Problem(f"line {line}", "bytes that are not UTF-8", "TOML, which is UTF-8 text")
     except ValueError as error:  # a TOMLDecodeError, or an integer of thousands of digits
-        problem = Problem("syntax", str(error), "TOML")
+        problem = Problem("syntax", f"text that is not TOML ({error})", "TOML 1.0")
     except RecursionError:
-        problem = Problem("syntax", "arrays nested too deeply", "TOML of a few levels")
+        problem = Problem("syntax", "too many levels of nesting", "the levels of a scenario file")
     raise scenario_error(source, [problem])
 
 

@@ -24,12 +24,15 @@ class Problem:
 
 
 def shown(value: object) -> str:
-    """Return `value` as a message shows it: on one line, and cut where it is long."""
+    """Return `value` as a message shows it: in TOML's spelling, on one line, cut where long."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, dict):
         return "a table"
-    text = " ".join(repr(value).split())
+    try:
+        text = " ".join(repr(value).split())
+    except ValueError:  # an integer of more digits than Python prints
+        text = "an integer of thousands of digits"
     return text if len(text) <= LONGEST_VALUE else text[: LONGEST_VALUE - 3] + "..."
 
 
@@ -46,11 +49,14 @@ def problems_of(error: ValidationError) -> list[Problem]:
     unknown: list[Problem] = []
     others: list[Problem] = []
     for detail in error.errors(include_url=False, include_context=False):
-        location = detail["loc"]
+        location, given = detail["loc"], shown(detail["input"])
         if detail["type"] == "extra_forbidden":
             unknown.append(_unknown_key(location))
         else:
-            given = "nothing" if detail["type"] == "missing" else shown(detail["input"])
+            if detail["type"] == "missing" and isinstance(location[-1], int):
+                location = location[:-1]  # a list that is too short: show the list
+            elif detail["type"] == "missing":
+                given = "nothing"
             problem = Problem(_dotted(location), given, _allowed(location))
             if problem not in others:
                 others.append(problem)
