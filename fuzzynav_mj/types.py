@@ -74,6 +74,8 @@ class PerceivedObstacle:
         dynamic: True if the looks show that it moves.
         approaching: True if it moves and its motion brings it closer to the robot's place.
         velocity: (2,) m/s in the world frame; zero for a static obstacle.
+        turn_rate: rate at which the velocity turns, rad/s, counter-clockwise positive.
+        closing_sigma: uncertainty (one sigma) of the speed towards the robot, m/s.
     """
 
     points: FloatArray
@@ -83,6 +85,8 @@ class PerceivedObstacle:
     dynamic: bool
     approaching: bool
     velocity: FloatArray
+    turn_rate: float = 0.0
+    closing_sigma: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,19 +16,13 @@ def static_clearance(poses: np.ndarray, points: FloatArray, half_side: float) ->
     return gaps.min(axis=1).reshape(poses.shape[:2])
 
 
-def moving_clearance(
-    poses: np.ndarray, points: FloatArray, velocities: FloatArray, period: float, half_side: float
-) -> np.ndarray:
-    """(m, T) float32 gaps to points (k, 2) that move with `velocities` (k, 2); column j of `poses`
-    lies j + 1 periods ahead."""
-    steps = poses.shape[1]
-    if len(points) == 0:
+def moving_clearance(poses: np.ndarray, places: FloatArray, half_side: float) -> np.ndarray:
+    """(m, T) float32 gaps between the square at `poses` (m, T, 3) and the nearest of the moving
+    points, which at the time of column j are at `places[j]` (T, 2, k)."""
+    if places.shape[2] == 0:
         return np.full(poses.shape[:2], FAR)
-    times = (np.arange(steps, dtype=np.float32) + 1.0) * np.float32(period)
-    start, speed = points.astype(np.float32).T, velocities.astype(np.float32).T
-    places = start[None] + times[:, None, None] * speed[None]  # (T, 2, k)
     ordered = np.ascontiguousarray(poses.transpose(1, 0, 2))  # (T, m, 3)
-    return _gaps(ordered, places, half_side).min(axis=2).T
+    return _gaps(ordered, places.astype(np.float32), half_side).min(axis=2).T
 
 
 def _gaps(poses: np.ndarray, points: np.ndarray, half_side: float) -> np.ndarray:

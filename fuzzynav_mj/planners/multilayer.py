@@ -16,8 +16,10 @@ from fuzzynav_mj.planners.base import NavigationProblem, Observation, Requiremen
 from fuzzynav_mj.planners.clearance import moving_clearance, static_clearance
 from fuzzynav_mj.planners.guidance import Guidance, Heading
 from fuzzynav_mj.planners.motions import HORIZON, Motions, candidate_motions
+from fuzzynav_mj.planners.prediction import displacements
 from fuzzynav_mj.planners.sectors import as_fuzzy_inputs, sector_distances
 from fuzzynav_mj.planners.sight import Sight, thin
+from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.types import (
     Behaviour,
     BoolArray,
@@ -38,6 +40,7 @@ class DecisionSettings:
         static_margin_growth: ... and per m/s of speed.
         moving_margin: smallest gap kept to what moves, now ...
         moving_margin_growth: ... and per second of prediction.
+        contact_gap: a smaller predicted gap counts as contact.
         comfortable_gap: gap to standing obstacles below which a candidate costs more.
         static_weight: cost per metre missing of it.
         moving_gap: gap to movers below which a candidate costs more.
@@ -52,6 +55,7 @@ class DecisionSettings:
     static_margin_growth: float = 0.05
     moving_margin: float = 0.04
     moving_margin_growth: float = 0.04
+    contact_gap: float = 0.01
     comfortable_gap: float = 0.10
     static_weight: float = 0.5
     moving_gap: float = 0.25
@@ -88,7 +92,7 @@ class MultilayerPlanner:
         pose, perception = observation.pose, observation.perception
         assert perception is not None
         place = (pose.x, pose.y)
-        surroundings = _surroundings(perception, pose)
+        surroundings = _surroundings(perception, pose, self._spec)
         heading = self._guidance.head(place, surroundings.sight)
         target = self._target(heading, pose)
         bearing = atan2(target[1], target[0]) - pose.yaw
@@ -148,17 +152,14 @@ class MultilayerPlanner:
         rows = np.arange(len(stops))[:, None]
         poses = motions.poses[rows, steps]
         static_ok = (last >= 0) | (first == HORIZON)
-        moving = moving_clearance(
-            poses,
-            _to_robot(around.moving, pose),
-            _rotate(around.velocities, pose),
-            spec.decision_period,
-            spec.half_side,
-        )
-        times = (np.arange(HORIZON) + 1) * spec.decision_period
+        c, s = cos(pose.yaw), sin(pose.yaw)
+        to_robot = np.array([[c, s], [-s, c]])
+        moving = moving_clearance(poses, to_robot @ around.moving, spec.half_side)
+        times = _times(spec)
         wanted = settings.moving_margin + settings.moving_margin_growth * times
         close = moving < wanted
-        contact = np.where(close.any(axis=1), close.argmax(axis=1), HORIZON)
+        hit = moving < settings.contact_gap
+        contact = np.where(hit.any(axis=1), hit.argmax(axis=1), HORIZON)
         return _Outlook(
             poses=poses,
             static=static[rows, steps].min(axis=1),
@@ -166,7 +167,7 @@ class MultilayerPlanner:
             static_ok=static_ok,
             contact_step=contact,
             soon=static[:, :4].min(axis=1),
-            admissible=static_ok & (contact == HORIZON),
+            admissible=static_ok & ~close.any(axis=1),
         )
 
     def _cost(
@@ -191,7 +192,7 @@ class MultilayerPlanner:
             return int(np.where(outlook.admissible, cost, np.inf).argmin())
         if outlook.static_ok.any():
             room = np.minimum(outlook.static, outlook.moving)
-            order = np.lexsort((cost, -room, -outlook.contact_step))
+            order = np.lexsort((cost, -room.round(2), -outlook.contact_step))
             return int(order[outlook.static_ok[order]][0])
         return int(outlook.soon.argmax())
 
@@ -288,12 +289,11 @@ class MultilayerPlanner:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Surroundings:
-    """What stands, and what moves with its velocities, (k, 2) each; robot-centred, axes parallel to
-    the world's."""
+    """What stands, and where what moves will be: (T, 2, k) points at the end of each period to
+    come; robot-centred, axes parallel to the world's."""
 
     sight: Sight
     moving: FloatArray
-    velocities: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -309,21 +309,27 @@ class _Outlook:
     admissible: BoolArray
 
 
-def _surroundings(perception: Perception, pose: Pose2D) -> _Surroundings:
+def _surroundings(perception: Perception, pose: Pose2D, spec: RobotSpec) -> _Surroundings:
     here = np.array([pose.x, pose.y])
     standing = [o.points for o in perception.obstacles if not o.dynamic]
     movers = [o for o in perception.obstacles if o.dynamic]
     points = thin(np.concatenate(standing) - here) if standing else np.empty((0, 2))
-    scan = perception.scan
-    ranges = scan.ranges
-    bearings = scan.bearings + pose.yaw
+    scan, times = perception.scan, _times(spec)
+    ranges, bearings = scan.ranges, scan.bearings + pose.yaw
     if movers:
         ranges = _seen_through(ranges, bearings, movers, here, scan.max_range)
-        moving = np.concatenate([o.points for o in movers]) - here
-        velocities = np.concatenate([np.tile(o.velocity, (len(o.points), 1)) for o in movers])
-    else:
-        moving = velocities = np.empty((0, 2))
-    return _Surroundings(Sight(points, bearings, ranges, scan.max_range), moving, velocities)
+    places = [
+        thin(mover.points - here).T[None] + way[:, :, None]
+        for mover in movers
+        for way in displacements(mover, here, times)
+    ]
+    moving = np.concatenate(places, axis=2) if places else np.empty((HORIZON, 2, 0))
+    return _Surroundings(Sight(points, bearings, ranges, scan.max_range), moving)
+
+
+def _times(spec: RobotSpec) -> FloatArray:
+    """(HORIZON,) ends of the decision periods to come, s from now."""
+    return (np.arange(HORIZON) + 1) * spec.decision_period
 
 
 def _seen_through(ranges, bearings, movers, here, max_range):  # type: ignore[no-untyped-def]

@@ -78,4 +78,5 @@ def _depth_behind(points: FloatArray, look: Look) -> FloatArray:
     bearing = np.arctan2(offset[:, 1], offset[:, 0]) - look.pose.yaw + pi
     ray = (bearing * (count / (2 * pi))).astype(int) % count
     reach = np.minimum(look.ranges[ray], look.ranges[(ray + 1) % count])
-    return reach - np.hypot(offset[:, 0], offset[:, 1])
+    depth: FloatArray = reach - np.hypot(offset[:, 0], offset[:, 1])
+    return depth

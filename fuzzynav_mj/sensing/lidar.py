@@ -10,7 +10,7 @@ OBSTACLE_GROUP = 0  # the geom group of obstacles and walls in `models/arenas/ro
 
 def ray_bearings(count: int) -> FloatArray:
     """(count,) evenly spaced ray directions in the robot frame, rad, in [-pi, pi)."""
-    return np.arange(count) * (2 * np.pi / count) - np.pi
+    return np.arange(count, dtype=np.float64) * (2 * np.pi / count) - np.pi
 
 
 def decode(readings: FloatArray, max_range: float) -> tuple[FloatArray, BoolArray]:

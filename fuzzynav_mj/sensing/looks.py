@@ -70,4 +70,5 @@ def _continues(edges: FloatArray, length: FloatArray, both: BoolArray) -> BoolAr
         along = (unit * other).sum(axis=1) > 0.995
         return along & np.roll(both, shift) & (ratio < 2.0) & (ratio > 0.5)
 
-    return in_line(1) | in_line(-1)
+    continued: BoolArray = in_line(1) | in_line(-1)
+    return continued

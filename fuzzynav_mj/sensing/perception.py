@@ -5,7 +5,7 @@ The memory is a few looks and the tracks of movers in sight: nothing of the worl
 
 from collections import deque
 from dataclasses import dataclass
-from math import hypot, pi
+from math import atan2, hypot, pi
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from fuzzynav_mj.sensing.segmentation import (
     gather_hits,
     split_by_motion,
 )
-from fuzzynav_mj.sensing.tracking import FORGET_AFTER, Track, nearest_track
+from fuzzynav_mj.sensing.tracking import FORGET_AFTER, Track, nearest_track, speed_rows
 from fuzzynav_mj.sensing.visibility import visibility_matrix
 from fuzzynav_mj.types import FloatArray, IntArray, LaserScan, PerceivedObstacle, Perception, Pose2D
 
@@ -45,7 +45,7 @@ class PerceptionSettings:
     looks: int = 2
     still: float = 0.010
     margin: float = 0.05
-    top_speed: float = 0.8
+    top_speed: float = 0.9
     flow_sigma: float = 0.006
     independent_hits: float = 6.0
     outlier: float = 0.06
@@ -122,21 +122,21 @@ class Perceiver:
     ) -> tuple[PerceivedObstacle, ...]:
         ends = np.append(begin, len(hits.points))[1:]
         spans = [slice(int(a), int(b)) for a, b in zip(begin, ends, strict=True)]
-        velocities: list[FloatArray | None] = [None] * len(spans)
+        tracks: list[Track | None] = [None] * len(spans)
         for index in np.argsort(-flags, kind="stable"):  # moving ones take the tracks first
             span = spans[index]
-            velocities[index] = self._velocity(
+            tracks[index] = self._track(
                 hits, span, flows, bool(flags[index] == MOVING), now
             )
         return tuple(
-            _perceived(hits.points[span], velocity, now.pose)
-            for span, velocity in zip(spans, velocities, strict=True)
+            _perceived(hits.points[span], track, now.pose)
+            for span, track in zip(spans, tracks, strict=True)
         )
 
-    def _velocity(
+    def _track(
         self, hits: Hits, span: slice, flows: list[PointFlow], moving: bool, now: Look
-    ) -> FloatArray | None:
-        """Velocity of one obstacle; None if it stands still."""
+    ) -> Track | None:
+        """The updated track of one obstacle; None if it stands still."""
         settings, points = self._settings, hits.points[span]
         extent = points[-1] - points[0]
         if not moving and (not self._tracks or hypot(*extent.tolist()) > settings.mover_extent):
@@ -148,52 +148,52 @@ class Perceiver:
                 return None
             track = Track.begin(centre)
             self._tracks.append(track)
-        information, evidence = self._surface_motion(span, flows, track)
+        rows, rates = self._surface_motion(span, flows, track)
         middle = _outline_middle(hits, span, now)
         if middle is None:
             track.outlines.clear()
         else:
             if track.outlines:
-                across, along = self._outline_motion(now, middle, track)
-                information += across
-                evidence += along
+                row, rate = self._outline_motion(now, middle, track)
+                rows, rates = np.concatenate((rows, row)), np.concatenate((rates, rate))
             track.outlines.append((now.stamp, middle))
-        track.update(centre, information, evidence)
-        if track.speed < settings.slowest:
+        track.update(centre, rows, rates)
+        if track.speed < settings.slowest or track.speed > settings.top_speed:
             return None
-        return track.velocity
+        return track
 
     def _surface_motion(
         self, span: slice, flows: list[PointFlow], track: Track
     ) -> tuple[FloatArray, FloatArray]:
-        """What the normal motions of the hits tell of the velocity: sums of n n^T and of n (n . v),
-        over the variance."""
+        """Measurement rows and rates of the normal motions of the hits, over their sigma."""
         settings = self._settings
         known = np.concatenate([flow.known[span] for flow in flows])
         normals = np.concatenate([flow.normals[span] for flow in flows])[known]
         elapsed = np.concatenate([np.full(flow.known[span].shape, flow.elapsed) for flow in flows])
-        rate = np.concatenate([flow.distance[span] for flow in flows])[known] / elapsed[known]
-        weight = (elapsed[known] / settings.flow_sigma) ** 2
+        elapsed = elapsed[known]
+        rate = np.concatenate([flow.distance[span] for flow in flows])[known] / elapsed
+        rows = speed_rows(normals, elapsed)
+        weight = (elapsed / settings.flow_sigma) ** 2
         weight *= min(1.0, settings.independent_hits / max(len(rate), 1))
-        velocity, prior = track.velocity, np.linalg.inv(track.covariance)
-        for _ in range(2):  # the second pass gives less weight to hits on another face
-            information = (normals.T * weight) @ normals
-            evidence = (normals.T * weight) @ rate
-            velocity = np.linalg.solve(prior + information, prior @ track.velocity + evidence)
-            weight = weight / (1.0 + ((normals @ velocity - rate) / settings.outlier) ** 2)
-        return information, evidence
+        # A first fit tells which hits lie on another face; they count less in the second.
+        prior = np.linalg.inv(track.covariance)
+        scaled = rows.T * weight
+        state = np.linalg.solve(prior + scaled @ rows, prior @ track.state + scaled @ rate)
+        weight /= 1.0 + ((rows @ state - rate) / settings.outlier) ** 2
+        root = np.sqrt(weight)
+        return rows * root[:, None], rate * root
 
     def _outline_motion(
         self, now: Look, middle: FloatArray, track: Track
     ) -> tuple[FloatArray, FloatArray]:
-        """What the shift of the visible outline tells of the motion across the line of sight."""
+        """The same for the shift of the visible outline across the line of sight."""
         stamp, before = track.outlines[0]
         elapsed = now.stamp - stamp
         sight = middle - np.array([now.pose.x, now.pose.y])
-        across = np.array([-sight[1], sight[0]]) / max(float(np.hypot(*sight)), 1e-9)
-        weight = (elapsed / self._settings.outline_sigma) ** 2
-        rate = float(across @ (middle - before)) / elapsed
-        return weight * np.outer(across, across), weight * rate * across
+        across = np.array([[-sight[1], sight[0]]]) / max(float(np.hypot(*sight)), 1e-9)
+        root = elapsed / self._settings.outline_sigma
+        rate = across @ (middle - before) / elapsed
+        return speed_rows(across, np.array([elapsed])) * root, rate * root
 
 
 def _outline_middle(hits: Hits, span: slice, look: Look) -> FloatArray | None:
@@ -209,18 +209,28 @@ def _outline_middle(hits: Hits, span: slice, look: Look) -> FloatArray | None:
     return middle
 
 
-def _perceived(points: FloatArray, velocity: FloatArray | None, pose: Pose2D) -> PerceivedObstacle:
+def _perceived(points: FloatArray, track: Track | None, pose: Pose2D) -> PerceivedObstacle:
     offset = points - np.array([pose.x, pose.y])
     squared = offset[:, 0] ** 2 + offset[:, 1] ** 2
     nearest = int(squared.argmin())
     x, y = offset[nearest].tolist()
-    moving = velocity is not None
-    return PerceivedObstacle(
+    distance = hypot(x, y)
+    place = dict(
         points=points,
         nearest_point=points[nearest],
-        distance=hypot(x, y),
-        bearing=(float(np.arctan2(y, x)) - pose.yaw + pi) % (2 * pi) - pi,
-        dynamic=moving,
-        approaching=velocity is not None and float(velocity[0] * x + velocity[1] * y) < 0.0,
-        velocity=velocity if velocity is not None else np.zeros(2),
+        distance=distance,
+        bearing=(atan2(y, x) - pose.yaw + pi) % (2 * pi) - pi,
+    )
+    if track is None:
+        return PerceivedObstacle(
+            **place, dynamic=False, approaching=False, velocity=np.zeros(2)
+        )
+    velocity = track.velocity
+    return PerceivedObstacle(
+        **place,
+        dynamic=True,
+        approaching=float(velocity[0] * x + velocity[1] * y) < 0.0,
+        velocity=velocity,
+        turn_rate=track.turn_rate,
+        closing_sigma=track.sigma_along(offset[nearest] / max(distance, 1e-9)),
     )

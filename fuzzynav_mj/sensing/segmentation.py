@@ -45,9 +45,7 @@ def gather_hits(look: Look) -> Hits:
     return Hits(np.roll(points, -shift, axis=0), np.roll(rays, -shift), first)
 
 
-def split_by_motion(
-    hits: Hits, flags: IntArray, mover_extent: float
-) -> tuple[IntArray, IntArray]:
+def split_by_motion(hits: Hits, flags: IntArray, mover_extent: float) -> tuple[IntArray, IntArray]:
     """Splits groups further where moving hits and standing ones meet.
 
     A mover that passes close to a wall is one group with it; its hits move, the wall's do not.
@@ -56,8 +54,7 @@ def split_by_motion(
 
     Args:
         hits: the hits and their groups.
-        flags: (m,) MOVING_SHARE = 0.25  # of a small group's hits must move for the whole of it to be a mover
-MOVING, STATIC or UNKNOWN for each hit.
+        flags: (m,) MOVING, STATIC or UNKNOWN for each hit.
         mover_extent: largest extent of a mover's visible side, m.
 
     Returns:

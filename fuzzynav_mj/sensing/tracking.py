@@ -1,15 +1,22 @@
-"""Velocities of moving obstacles: a constant-velocity filter over the looks."""
+"""Velocities of moving obstacles: a filter over the looks.
+
+The state is velocity and acceleration. The acceleration is believed to fade within about a second,
+so a mover that turns is followed round its bend, and one that goes straight is not led astray.
+"""
 
 from collections import deque
 from dataclasses import dataclass, field
-from math import hypot
+from math import exp, hypot
 
 import numpy as np
 
 from fuzzynav_mj.types import FloatArray
 
 FIRST_SPEED_SIGMA = 0.3  # m/s: what is believed of a mover before its motion is measured
-ACCELERATION_SIGMA = 1.0  # m/s2: how fast movers are believed to change their velocity
+ACCELERATION_SIGMA = 0.6  # m/s2: how strongly movers are believed to change their velocity
+ACCELERATION_TIME = 1.0  # s: how long an acceleration is believed to last
+SPEED_NOISE = 0.03  # m/s per look: changes that the acceleration does not explain
+LARGEST_ACCELERATION = 1.2  # m/s2
 MATCH_DISTANCE = 0.20  # m between where a track expects its obstacle and where one is seen
 FORGET_AFTER = 3  # looks without a match
 
@@ -20,15 +27,15 @@ class Track:
 
     Attributes:
         centre: (2,) mean of its hits when last seen, world frame, carried on with its velocity.
-        velocity: (2,) m/s.
-        covariance: (2, 2) of the velocity.
+        state: (4,) velocity, m/s, and acceleration, m/s2.
+        covariance: (4, 4) of the state.
         missed: looks since it was seen.
         outlines: (stamp, middle of the visible outline's two ends) of the last looks that showed
             both ends.
     """
 
     centre: FloatArray
-    velocity: FloatArray
+    state: FloatArray
     covariance: FloatArray
     missed: int = 0
     outlines: deque[tuple[float, FloatArray]] = field(default_factory=lambda: deque(maxlen=3))
@@ -36,34 +43,65 @@ class Track:
     @classmethod
     def begin(cls, centre: FloatArray) -> "Track":
         """A track of a mover whose velocity is not known yet."""
-        return cls(centre, np.zeros(2), np.eye(2) * FIRST_SPEED_SIGMA**2)
+        sigmas = np.array([FIRST_SPEED_SIGMA] * 2 + [ACCELERATION_SIGMA] * 2)
+        return cls(centre, np.zeros(4), np.diag(sigmas**2))
 
-    def predict(self, elapsed: float) -> None:
-        """Carries the belief on to the next look."""
-        self.centre = self.centre + self.velocity * elapsed
-        self.covariance = self.covariance + np.eye(2) * (ACCELERATION_SIGMA * elapsed) ** 2
-        self.missed += 1
-
-    def update(self, centre: FloatArray, information: FloatArray, evidence: FloatArray) -> None:
-        """Takes in the normal speeds of the obstacle's surface.
-
-        Along directions that the surface does not constrain the belief stays as it was.
-
-        Args:
-            centre: (2,) mean of the hits.
-            information: (2, 2) sum of n n^T / sigma^2 over the measured hits.
-            evidence: (2,) sum of n (n . v) / sigma^2.
-        """
-        prior = np.linalg.inv(self.covariance)
-        self.covariance = np.linalg.inv(prior + information)
-        self.velocity = self.covariance @ (prior @ self.velocity + evidence)
-        self.centre = centre
-        self.missed = 0
+    @property
+    def velocity(self) -> FloatArray:
+        """(2,) m/s."""
+        return self.state[:2]
 
     @property
     def speed(self) -> float:
         """m/s."""
-        return hypot(float(self.velocity[0]), float(self.velocity[1]))
+        return hypot(float(self.state[0]), float(self.state[1]))
+
+    @property
+    def turn_rate(self) -> float:
+        """Rate at which the velocity turns, rad/s."""
+        vx, vy, ax, ay = self.state.tolist()
+        squared = vx * vx + vy * vy
+        if squared < 1e-4:
+            return 0.0
+        largest = LARGEST_ACCELERATION / squared**0.5
+        return float(min(max((vx * ay - vy * ax) / squared, -largest), largest))
+
+    def sigma_along(self, direction: FloatArray) -> float:
+        """Uncertainty of the speed along a unit vector (2,), m/s."""
+        return float(np.sqrt(direction @ self.covariance[:2, :2] @ direction))
+
+    def predict(self, elapsed: float) -> None:
+        """Carries the belief on to the next look."""
+        self.centre = self.centre + self.velocity * elapsed
+        fade = exp(-elapsed / ACCELERATION_TIME)
+        transition = np.diag([1.0, 1.0, fade, fade])
+        transition[0, 2] = transition[1, 3] = elapsed
+        self.state = transition @ self.state
+        noise = np.array(
+            [SPEED_NOISE**2] * 2 + [ACCELERATION_SIGMA**2 * (1.0 - fade * fade)] * 2
+        )
+        self.covariance = transition @ self.covariance @ transition.T + np.diag(noise)
+        self.missed += 1
+
+    def update(self, centre: FloatArray, rows: FloatArray, rates: FloatArray) -> None:
+        """Takes in measured speeds; in directions that none constrains the belief stays.
+
+        Args:
+            centre: (2,) mean of the hits.
+            rows: (m, 4) measurement rows over their sigma.
+            rates: (m,) measured speeds over the same sigma, m/s.
+        """
+        prior = np.linalg.inv(self.covariance)
+        self.covariance = np.linalg.inv(prior + rows.T @ rows)
+        self.state = self.covariance @ (prior @ self.state + rows.T @ rates)
+        self.centre = centre
+        self.missed = 0
+
+
+def speed_rows(directions: FloatArray, elapsed: FloatArray) -> FloatArray:
+    """(m, 4) rows that measure the mean speed along `directions` (m, 2) over the last `elapsed`
+    seconds: the velocity now, less what the acceleration added in half that time."""
+    return np.concatenate((directions, directions * (-elapsed / 2)[:, None]), axis=1)
 
 
 def nearest_track(tracks: list[Track], centre: FloatArray) -> Track | None:
