@@ -101,7 +101,12 @@ def add_shape(
     if shape.circle is not None:
         x, y, radius = shape.circle
         body.add(
-            "geom", name=f"{name}_0", type="cylinder", pos=(x, y, half), size=(radius, half), **common
+            "geom",
+            name=f"{name}_0",
+            type="cylinder",
+            pos=(x, y, half),
+            size=(radius, half),
+            **common,
         )
         return []
     assert shape.polygon is not None

@@ -2,7 +2,7 @@
 
 from collections import OrderedDict
 from dataclasses import dataclass
-from math import atan2, cos, hypot, pi, sin
+from math import atan2, cos, hypot, isfinite, pi, sin
 
 import mujoco
 import numpy as np
@@ -12,6 +12,7 @@ from dm_env import specs
 
 from fuzzynav_mj.control import SpeedProfile, drive_towards, wheel_speeds, wheel_table
 from fuzzynav_mj.episode import BlockTruth
+from fuzzynav_mj.errors import FuzzyNavError
 from fuzzynav_mj.geometry import wrap_angle
 from fuzzynav_mj.robot import DEFAULT_ROBOT, RobotSpec
 from fuzzynav_mj.scenarios.schema import Scenario
@@ -23,6 +24,11 @@ from fuzzynav_mj.types import Contact, FloatArray, LaserScan, Outcome, Pose2D, T
 
 AT_FAULT_SPEED = 0.02  # m/s: slower than this the robot stood still when it was touched
 GOAL_YAW_TOLERANCE = 0.1  # rad
+_DIVERGENCE = [
+    int(mujoco.mjtWarning.mjWARN_BADQPOS),
+    int(mujoco.mjtWarning.mjWARN_BADQVEL),
+    int(mujoco.mjtWarning.mjWARN_BADQACC),
+]
 _TABLE_STEPS = 400  # physics steps for which mover positions are computed at a time
 
 
@@ -186,50 +192,50 @@ class NavigateToGoal(composer.Task):
         """Turns the next position into wheel speeds inside the acceleration limits."""
         del physics, random_state
         x, y = (float(value) for value in action)
+        if not (isfinite(x) and isfinite(y)):
+            raise FuzzyNavError(f"action: given ({x}, {y}); allowed is a finite next position, m")
         self.profile: SpeedProfile = drive_towards((x, y), self.pose, self._commanded, self.spec)
         self._commanded = self.profile.final
 
     def advance(self, physics: mjcf.Physics) -> None:
         """Takes the physics steps of one decision period, or fewer where contact ends them.
 
-        Obstacles move and contact is checked on every step. The contact sensor speaks of the
-        state before a step, so the state after the last one is looked at separately.
+        Obstacles move and contact is checked on every step. A step here begins with the forces
+        and ends with the positions, the contact sensor among them, of the state it leads to; so
+        first contact is read before any force of it has acted.
         """
         model, data = self._model, self._data
         steps = self.spec.substeps
-        movers = self._mover_rows(self._step, steps + 1)
+        movers = self._mover_rows(self._step + 1, steps)
         wheels = wheel_table(self.profile, self.spec)
         places, speeds = np.empty((steps, 7)), np.empty((steps, model.nv))
         hit, ctrl, place, speed = self._hit, self._ctrl, self._place, data.qvel
         taken = 0
         for index in range(steps):
-            self._set_movers(movers[index])
             ctrl[self._ctrl_order] = wheels[index]
-            mujoco.mj_step(model, data)
-            if hit[0] > 0.0:
-                break
+            mujoco.mj_step2(model, data)
+            self._set_movers(movers[index])
+            mujoco.mj_step1(model, data)
             places[index] = place
             speeds[index] = speed
             taken += 1
-        if taken == steps:
-            self._set_movers(movers[steps])
-            mujoco.mj_step1(model, data)
+            if hit[0] > 0.0:
+                self._contact = self._read_contact()
+                break
         self._step += taken
-        if hit[0] > 0.0:
-            self._contact = self._read_contact()
-        self._diverged = not bool(np.isfinite(data.qpos).all())
+        # Warnings tell of numbers that are too large, not only of those that are not finite.
+        self._diverged = bool(data.warning.number[_DIVERGENCE].any())
         self._scan = None
-        self.block = self._block_truth(places[:taken], speeds[:taken], movers[1 : taken + 1])
+        self.block = self._block_truth(places[:taken], speeds[:taken], movers[:taken])
 
     def _mover_rows(self, first: int, count: int) -> FloatArray:
         """(count, movers, 2) mover positions at physics steps first, first + 1, ..."""
         offset = first - self._table_start
         if offset + count > len(self._table):
-            times = (first + np.arange(_TABLE_STEPS + count)) * self.spec.physics_period
+            steps = first + np.arange(_TABLE_STEPS + count, dtype=np.float64)
+            times = steps * self.spec.physics_period
             rows = [mover.motion.positions(times) for mover in self.world.movers]
-            self._table = (
-                np.stack(rows, axis=1) if rows else np.empty((len(times), 0, 2))
-            )
+            self._table = np.stack(rows, axis=1) if rows else np.empty((len(times), 0, 2))
             self._table_start, offset = first, 0
         return self._table[offset : offset + count]
 
@@ -292,7 +298,8 @@ class NavigateToGoal(composer.Task):
     @property
     def mover_positions(self) -> FloatArray:
         """(movers, 2) present origins of the moving obstacles."""
-        return self._mover_rows(self._step, 1)[0].copy()
+        positions: FloatArray = self._mover_rows(self._step, 1)[0].copy()
+        return positions
 
     @property
     def contact(self) -> Contact | None:
@@ -340,7 +347,8 @@ class NavigateToGoal(composer.Task):
     def get_reward(self, physics: mjcf.Physics) -> float:
         """1 on reaching the goal, -1 on contact, else 0."""
         del physics
-        return {Outcome.GOAL_REACHED: 1.0, Outcome.CONTACT: -1.0}.get(self.outcome, 0.0)
+        outcome = self.outcome
+        return float(outcome is Outcome.GOAL_REACHED) - float(outcome is Outcome.CONTACT)
 
     def get_discount(self, physics: mjcf.Physics) -> float:
         """0 after goal or contact; 1 otherwise, also when the time is up."""
