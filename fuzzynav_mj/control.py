@@ -52,7 +52,8 @@ def ramp(start: float, end: float, slope: float, period: float, steps: int) -> F
     span = min(abs(end - start), slope * period)
     elapsed = (np.arange(steps) + 1.0) * (period / steps)
     change = np.minimum(slope * elapsed, span)
-    return start + (change if end >= start else -change)
+    speeds: FloatArray = start + (change if end >= start else -change)
+    return speeds
 
 
 def centre_displacement(yaw: float, profile: SpeedProfile, spec: RobotSpec) -> tuple[float, float]:

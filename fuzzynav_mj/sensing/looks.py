@@ -68,7 +68,7 @@ def _continues(edges: FloatArray, length: FloatArray, both: BoolArray) -> BoolAr
         other = np.roll(unit, shift, axis=0)
         ratio = length / np.maximum(np.roll(length, shift), 1e-9)
         along = (unit * other).sum(axis=1) > 0.995
-        return along & np.roll(both, shift) & (ratio < 2.0) & (ratio > 0.5)
+        straight: BoolArray = along & np.roll(both, shift) & (ratio < 2.0) & (ratio > 0.5)
+        return straight
 
-    continued: BoolArray = in_line(1) | in_line(-1)
-    return continued
+    return in_line(1) | in_line(-1)
