@@ -128,7 +128,7 @@ class Guidance:
         if following is None:
             best = int(cost.argmin())
             if left_over[best] < distance:
-                return self._heading(place, ways.via[best], "goal")
+                return self._heading(place, ways.first_point(best), "goal")
             following = self._begin(place, goal, distance, sight, best)
         else:
             following.length += step
@@ -136,10 +136,10 @@ class Guidance:
             if gaining.any():
                 self._following = None
                 best = int(np.where(gaining, cost, np.inf).argmin())
-                return self._heading(place, ways.via[best], "goal")
+                return self._heading(place, ways.first_point(best), "goal")
             self._watch_loop(place, following)
         chosen = self._along(place, sight, ways, following)
-        return self._heading(place, ways.via[chosen], "boundary")
+        return self._heading(place, ways.first_point(chosen), "boundary")
 
     def _heading(
         self,

@@ -42,15 +42,54 @@ class Ways:
         open: (n,) True where a way leads on at that bearing.
         length: (n,) length of the way to `end`, m; inf where not open.
         end: (n, 2) where the way leaves what is seen, robot-centred.
-        via: (n, 2) first point to head for in a straight line, robot-centred.
         comfortable: (n,) True where the way keeps the comfortable width all along.
+        searched: (n,) True where the way is not straight but found by `search`.
+        search: the search, if one was made.
     """
 
     open: BoolArray
     length: FloatArray
     end: FloatArray
-    via: FloatArray
     comfortable: BoolArray
+    searched: BoolArray
+    search: "Search | None" = None
+
+    def first_point(self, ray: int) -> FloatArray:
+        """(2,) the point to head for first, in a straight line, on the way at this ray."""
+        if self.search is not None and self.searched[ray]:
+            return self.search.first_point(ray)
+        point: FloatArray = self.end[ray]
+        return point
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Search:
+    """A shortest-path search over the cells in sight.
+
+    Attributes:
+        grid: its cells.
+        before: (cells,) the cell before each on its way from the robot.
+        target: (n,) the cell at the edge of sight for each ray, -1 where there is none.
+        points: (k, 2) the obstacles' points that it kept clear of.
+        width: by this much, m.
+    """
+
+    grid: "_Grid"
+    before: IntArray
+    target: IntArray
+    points: FloatArray
+    width: float
+
+    def first_point(self, ray: int) -> FloatArray:
+        """(2,) the farthest point of the way to the ray's cell that a straight line reaches."""
+        chain = self.grid.chain(self.before, int(self.target[ray]))
+        if not chain:
+            return np.zeros(2)
+        x, y = self.grid.x[chain], self.grid.y[chain]
+        free = free_distance(self.points, np.arctan2(y, x), self.width - 0.25 * CELL)
+        straight = np.flatnonzero(free >= np.hypot(x, y) - self.width)
+        best = int(straight[0]) if len(straight) else len(chain) - 1
+        return np.array([x[best], y[best]])
 
 
 def free_distance(points: FloatArray, bearings: FloatArray, width: float) -> FloatArray:
@@ -77,7 +116,8 @@ def direct_ways(sight: Sight, width: float) -> Ways:
     free = free_distance(sight.points, sight.bearings, width)
     is_open = (reach > 0.0) & (free >= np.minimum(reach, sight.max_range - width))
     end = _unit(sight.bearings) * np.maximum(reach, 0.0)[:, None]
-    return Ways(is_open, np.where(is_open, reach, np.inf), end, end, is_open)
+    nowhere = np.zeros(len(end), dtype=bool)
+    return Ways(is_open, np.where(is_open, reach, np.inf), end, is_open, nowhere)
 
 
 def either(first: Ways, second: Ways, penalty: float) -> Ways:
@@ -87,8 +127,9 @@ def either(first: Ways, second: Ways, penalty: float) -> Ways:
         first.open | second.open,
         np.where(better, second.length + penalty, first.length),
         np.where(better[:, None], second.end, first.end),
-        np.where(better[:, None], second.via, first.via),
         first.comfortable & ~better,
+        np.where(better, second.searched, first.searched),
+        second.search or first.search,
     )
 
 
@@ -113,7 +154,7 @@ def searched_ways(sight: Sight, width: float, comfortable: float) -> Ways:
     count = len(sight.bearings)
     ray = np.floor((bearing - sight.bearings[0]) * (count / (2 * pi)) + 0.5).astype(int) % count
     distance = np.hypot(grid.x, grid.y)
-    gap = np.sqrt(_nearest_squared(grid, sight.points))
+    gap = np.sqrt(np.maximum(_nearest_squared(grid, sight.points), 0.0))
     visible = distance <= sight.ranges[ray] + 1e-9
     passable = visible & (gap >= width)
     passable |= distance < 1.5 * CELL  # where the robot stands it may stand
@@ -128,16 +169,10 @@ def searched_ways(sight: Sight, width: float, comfortable: float) -> Ways:
     for cell in rim[np.argsort(-cost[rim], kind="stable")]:
         target[ray[cell]] = cell
     is_open = (target >= 0) & (sight.ranges >= sight.max_range - 1e-9)
-    length = np.full(count, np.inf)
-    end, via = np.zeros((count, 2)), np.zeros((count, 2))
-    legs: dict[int, tuple[float, tuple[float, float]]] = {}
-    for index in np.flatnonzero(is_open):
-        cell = int(target[index])
-        if cell not in legs:
-            legs[cell] = _legs(grid, before, cell, sight.points, width)
-        length[index], via[index] = legs[cell]
-        end[index] = grid.x[cell], grid.y[cell]
-    return Ways(is_open, length, end, via, np.zeros(count, dtype=bool))
+    length = np.where(is_open, grid.lengths(before, target), np.inf)
+    end = np.stack((grid.x[target], grid.y[target]), axis=1)
+    search = Search(grid, before, target, sight.points, width)
+    return Ways(is_open, length, end, np.zeros(count, dtype=bool), is_open, search)
 
 
 def _unit(bearings: FloatArray) -> FloatArray:
@@ -152,6 +187,24 @@ class _Grid:
     tail: IntArray
     head: IntArray
     cost: FloatArray
+
+    def chain(self, before: IntArray, cell: int) -> list[int]:
+        """The cells of the way to `cell`, from there back to the robot's own, without that."""
+        cells = []
+        while cell not in (self.origin, -1):
+            cells.append(cell)
+            cell = int(before[cell])
+        return cells
+
+    def lengths(self, before: IntArray, cells: IntArray) -> FloatArray:
+        """(n,) lengths of the ways to `cells` (n,); 0 for no cell (-1)."""
+        here = np.where(cells < 0, self.origin, cells)
+        total = np.zeros(len(here))
+        while (here != self.origin).any():
+            there = np.where(here == self.origin, here, before[here])
+            total += np.hypot(self.x[here] - self.x[there], self.y[here] - self.y[there])
+            here = there
+        return total
 
 
 @lru_cache(maxsize=4)
@@ -192,24 +245,6 @@ def _nearest_squared(grid: _Grid, points: FloatArray) -> FloatArray:
     squared = (cells**2).sum(axis=1)[:, None] + (spots**2).sum(axis=1)[None] - 2 * cross
     nearest: FloatArray = squared.min(axis=1).astype(np.float64)
     return nearest
-
-
-def _legs(
-    grid: _Grid, before: IntArray, cell: int, points: FloatArray, width: float
-) -> tuple[float, tuple[float, float]]:
-    """Length of the way to `cell`, and its farthest point that a straight line reaches."""
-    chain = []
-    while cell != grid.origin:
-        chain.append(cell)
-        cell = int(before[cell])
-    if not chain:
-        return 0.0, (0.0, 0.0)
-    x, y = grid.x[chain], grid.y[chain]
-    steps = np.hypot(np.diff(np.append(x, 0.0)), np.diff(np.append(y, 0.0)))
-    free = free_distance(points, np.arctan2(y, x), width - 0.25 * CELL)
-    straight = np.flatnonzero(free >= np.hypot(x, y) - width)
-    best = int(straight[0]) if len(straight) else len(chain) - 1
-    return float(steps.sum()), (float(x[best]), float(y[best]))
 
 
 def thin(points: FloatArray) -> FloatArray:

@@ -11,7 +11,7 @@ from math import cos, pi, sin
 import numpy as np
 
 from fuzzynav_mj.sensing.looks import Look
-from fuzzynav_mj.types import BoolArray, FloatArray
+from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,19 +33,23 @@ class PointFlow:
     elapsed: float
 
 
+SAME_FACE = 0.97  # cosine of the largest angle between normals of what is taken as one face
+
+
 def point_flow(
-    points: FloatArray, now: Look, before: Look, top_speed: float, margin: float, max_range: float
+    rays: IntArray, now: Look, before: Look, top_speed: float, margin: float, max_range: float
 ) -> PointFlow:
-    """Flow of the current hits `points` (m, 2) against an earlier look.
+    """Flow of current hits against an earlier look.
 
     Args:
-        points: current hits, world frame.
+        rays: (m,) the rays that hit.
         now: the look they belong to.
         before: the earlier look.
         top_speed: the fastest motion believed, m/s: a hit farther off belongs to another surface.
         margin: how far inside free space a hit must lie to count as intruding, m.
         max_range: the sensor's range, m.
     """
+    points = now.points[rays]
     count = len(before.ranges)
     elapsed = now.stamp - before.stamp
     offset = points - np.array([before.pose.x, before.pose.y])
@@ -59,6 +63,8 @@ def point_flow(
     moved = ((points - before.points[ray]) * normals).sum(axis=1)
     reach = top_speed * elapsed + margin
     known = before.joined[ray] & (np.abs(moved) <= reach) & (distance < max_range)
+    # Beside a corner that moved, the hit may lie on another face than the one seen there before.
+    known &= _faces_along(normals, rays, now)
     # Behind the earlier surface: either that one moved away, or it is still there and merely hid
     # this hit before. It has moved if the place where it was is seen to be free now.
     behind = known & (moved < 0.0)
@@ -69,6 +75,15 @@ def point_flow(
     free = np.minimum(before.ranges[ray], before.ranges[following])
     intruding = distance < free - margin
     return PointFlow(known, moved, normals, intruding, elapsed)
+
+
+def _faces_along(normals: FloatArray, rays: IntArray, look: Look) -> BoolArray:
+    """(m,) True where the surface on either side of the hit has the given normal (m, 2)."""
+    agrees = np.zeros(len(rays), dtype=bool)
+    for neighbour in (rays, rays - 1):
+        along = (look.normals[neighbour] * normals).sum(axis=1) > SAME_FACE
+        agrees |= along & look.joined[neighbour]
+    return agrees
 
 
 def _depth_behind(points: FloatArray, look: Look) -> FloatArray:

@@ -49,7 +49,7 @@ class PerceptionSettings:
     flow_sigma: float = 0.006
     independent_hits: float = 6.0
     outlier: float = 0.06
-    outline_sigma: float = 0.015
+    outline_sigma: float = 0.012
     slowest: float = 0.04
     mover_extent: float = 0.7
 
@@ -79,7 +79,7 @@ class Perceiver:
         previous = self._looks[-1] if self._looks else None
         visibility = visibility_matrix(now, previous, scan.bearings, self._spec.rings)
         hits = gather_hits(now)
-        flows = self._flows(hits.points, now)
+        flows = self._flows(hits.rays, now)
         flags = self._point_flags(hits.points, flows)
         begin, flags = split_by_motion(hits, flags, self._settings.mover_extent)
         if previous is not None:
@@ -90,13 +90,13 @@ class Perceiver:
         self._looks.append(now)
         return Perception(scan, obstacles, visibility)
 
-    def _flows(self, points: FloatArray, now: Look) -> list[PointFlow]:
+    def _flows(self, rays: IntArray, now: Look) -> list[PointFlow]:
         """Flow against the oldest and the newest remembered look, the longer first."""
         looks = [self._looks[0], self._looks[-1]] if len(self._looks) > 1 else list(self._looks)
         settings = self._settings
         return [
             point_flow(
-                points, now, look, settings.top_speed, settings.margin, self._spec.sensor_range
+                rays, now, look, settings.top_speed, settings.margin, self._spec.sensor_range
             )
             for look in looks
         ]
