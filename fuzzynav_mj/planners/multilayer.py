@@ -43,8 +43,10 @@ class DecisionSettings:
         contact_gap: a smaller predicted gap counts as contact.
         comfortable_gap: gap to standing obstacles below which a candidate costs more.
         static_weight: cost per metre missing of it.
-        moving_gap: gap to movers below which a candidate costs more.
-        moving_weight: cost per metre missing of it.
+        moving_gap: gap to movers below which a candidate costs more, now ...
+        moving_gap_growth: ... and per second of prediction, which grows ever less certain ...
+        moving_gap_time: ... up to this time, s.
+        moving_weight: cost per metre missing of it, at the worst moment.
         reverse_cost: what driving backwards costs.
         change_cost: cost per radian of a new direction of travel.
         progress_steps: decision periods after which the progress counts.
@@ -58,8 +60,10 @@ class DecisionSettings:
     contact_gap: float = 0.01
     comfortable_gap: float = 0.10
     static_weight: float = 0.5
-    moving_gap: float = 0.25
-    moving_weight: float = 0.3
+    moving_gap: float = 0.10
+    moving_gap_growth: float = 0.20
+    moving_gap_time: float = 1.0
+    moving_weight: float = 1.0
     reverse_cost: float = 0.10
     change_cost: float = 0.02
     progress_steps: int = 8
@@ -156,6 +160,9 @@ class MultilayerPlanner:
         to_robot = np.array([[c, s], [-s, c]])
         moving = moving_clearance(poses, to_robot @ around.moving, spec.half_side)
         times = _times(spec)
+        berth = settings.moving_gap + settings.moving_gap_growth * np.minimum(
+            times, settings.moving_gap_time
+        )
         wanted = settings.moving_margin + settings.moving_margin_growth * times
         close = moving < wanted
         hit = moving < settings.contact_gap
@@ -164,6 +171,7 @@ class MultilayerPlanner:
             poses=poses,
             static=static[rows, steps].min(axis=1),
             moving=moving.min(axis=1),
+            crowding=np.maximum(berth - moving, 0.0).max(axis=1),
             static_ok=static_ok,
             contact_step=contact,
             soon=static[:, :4].min(axis=1),
@@ -178,7 +186,7 @@ class MultilayerPlanner:
         offset = outlook.poses[:, : settings.progress_steps, :2] - target
         left_over = np.sqrt((offset**2).sum(axis=2)).min(axis=1)
         tight = np.maximum(settings.comfortable_gap - outlook.static, 0.0)
-        near = np.maximum(settings.moving_gap - outlook.moving, 0.0)
+        near = outlook.crowding
         cost = left_over + settings.static_weight * tight + settings.moving_weight * near
         cost = cost + settings.reverse_cost * (motions.speed < 0)
         if self._travel is not None:
@@ -303,6 +311,7 @@ class _Outlook:
     poses: np.ndarray
     static: FloatArray
     moving: FloatArray
+    crowding: FloatArray
     static_ok: BoolArray
     contact_step: FloatArray
     soon: FloatArray
