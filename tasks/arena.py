@@ -56,6 +56,10 @@ class NavigationArena(composer.Arena):
             body = self._mjcf_root.worldbody.add(
                 "body", name=f"moving_{index}", mocap=True, pos=(x, y, 0.0)
             )
+            # Moved by command, a body's inertia plays no part; but MuJoCo places the sphere around
+            # a body, outside which it tests no ray, as if the inertia's axes were the world's.
+            # Left to itself it would turn them with the meshes, and rays would miss corners.
+            body.add("inertial", pos=(0.0, 0.0, 0.0), mass=1.0, diaginertia=(1.0, 1.0, 1.0))
             self._movers.append(body)
             self._mover_meshes += add_shape(
                 self._mjcf_root, body, mover.shape, f"moving_{index}", MOVER_COLOUR
