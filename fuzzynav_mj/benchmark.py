@@ -1,0 +1,157 @@
+"""Runs many episodes in parallel processes, and outlives the death of any of them.
+
+Every episode is a function of its job alone, so that neither the number of processes nor the order
+matters. A process that dies takes its pool with it; the episodes that were under way are then run
+one at a time, where a second death has one possible cause.
+"""
+
+import os
+import signal
+import threading
+from collections import deque
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
+
+from fuzzynav_mj.errors import FuzzyNavError
+from fuzzynav_mj.results import EpisodeKey, FailedEpisode
+from fuzzynav_mj.scenarios.schema import Scenario
+from fuzzynav_mj.types import EpisodeRecord
+
+RETRIES = 2  # runs of an episode alone, after a process died with it among others
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EpisodeJob:
+    """One episode to run."""
+
+    scenario: Scenario
+    planner: str
+    seed: int
+
+    @property
+    def key(self) -> EpisodeKey:
+        """Its name."""
+        return EpisodeKey(self.scenario.name, self.planner, self.seed)
+
+
+Play = Callable[[EpisodeJob], EpisodeRecord | FailedEpisode]
+
+
+def episode_jobs(
+    scenarios: Iterable[Scenario], planners: Sequence[str], seeds: range
+) -> list[EpisodeJob]:
+    """Every scenario with every planner and every seed."""
+    return [
+        EpisodeJob(scenario, planner, seed)
+        for scenario in scenarios
+        for planner in planners
+        for seed in seeds
+    ]
+
+
+def play_job(job: EpisodeJob) -> EpisodeRecord | FailedEpisode:
+    """Run one episode; whatever goes wrong in it is its failure and no other's."""
+    from fuzzynav_mj.runner import play_episode  # in the worker: the parent needs no physics
+
+    try:
+        return play_episode(job.scenario, job.planner, job.seed).record
+    except FuzzyNavError as error:
+        reason = str(error)
+    except Exception as error:
+        reason = f"{type(error).__name__}: {error}"
+    return FailedEpisode(job.key, " ".join(reason.split()))
+
+
+def run_jobs(
+    jobs: Iterable[EpisodeJob], processes: int, play: Play = play_job
+) -> Generator[EpisodeRecord | FailedEpisode, None, None]:
+    """Run episodes in parallel and hand each out as it is finished.
+
+    Closing the generator stops the processes without waiting for their episodes.
+
+    Args:
+        jobs: what to run.
+        processes: how many at a time.
+        play: what a worker does with a job; a function of a module, so that it can be sent.
+    """
+    waiting = deque(jobs)
+    suspects: list[EpisodeJob] = []
+    while waiting:
+        suspects += yield from _run_pool(waiting, processes, play)
+    for job in suspects:
+        for _ in range(RETRIES):
+            if not (yield from _run_pool(deque([job]), 1, play)):
+                break
+        else:
+            yield FailedEpisode(job.key, f"its process died {RETRIES + 1} times")
+
+
+def _run_pool(
+    waiting: deque[EpisodeJob], processes: int, play: Play
+) -> Generator[EpisodeRecord | FailedEpisode, None, list[EpisodeJob]]:
+    """Run from `waiting` until it is empty or a worker dies; return what was under way then."""
+    # Spawned, not forked: MuJoCo and pyarrow have threads, which a fork does not survive.
+    context = get_context("spawn")
+    lifeline, held = context.Pipe(duplex=False)
+    workers = min(processes, len(waiting))
+    pool = ProcessPoolExecutor(workers, context, _start_worker, (lifeline,))
+    running: dict[Future[EpisodeRecord | FailedEpisode], EpisodeJob] = {}
+    lost: list[EpisodeJob] = []
+    broken = False
+    try:
+        while running or (waiting and not broken):
+            # No more than the workers take at once: the rest is safe from their deaths.
+            while waiting and not broken and len(running) < workers:
+                try:
+                    with _interrupts_held():
+                        future = pool.submit(play, waiting[0])
+                except BrokenProcessPool:
+                    broken = True
+                else:
+                    running[future] = waiting.popleft()
+            for future in wait(running, return_when=FIRST_COMPLETED).done:
+                job = running.pop(future)
+                try:
+                    result = future.result()
+                except BrokenProcessPool:
+                    broken = True
+                    lost.append(job)
+                else:
+                    yield result
+    except BaseException:
+        held.close()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
+        held.close()
+        lifeline.close()
+    return lost
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Hold back Ctrl-C; processes that are started meanwhile never see it.
+
+    A terminal sends it to the workers too, which would each answer with a traceback.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _start_worker(lifeline: Connection) -> None:
+    threading.Thread(target=_exit_at_end_of, args=(lifeline,), daemon=True).start()
+
+
+def _exit_at_end_of(lifeline: Connection) -> None:
+    """End this process when the parent lets go of the other end, or dies."""
+    with suppress(EOFError, OSError):
+        lifeline.recv()  # nothing is ever sent
+    os._exit(1)

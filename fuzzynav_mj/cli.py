@@ -1,0 +1,219 @@
+"""The command line: arguments in, exit status out.
+
+Nothing heavy is imported here, so that `--help` and mistakes are answered at once.
+"""
+
+import argparse
+import io
+import os
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import NoReturn
+
+from fuzzynav_mj import __version__
+from fuzzynav_mj.errors import FuzzyNavError
+
+BAD_INPUT = 2
+INTERRUPTED = 130  # as shells say that a process ended by Ctrl-C
+BROKEN_PIPE = 141
+
+LARGEST_SEED = 2**63 - 1  # the seeds are a column of 64-bit integers
+LARGEST_COUNT = 1_000_000
+LARGEST_JOBS = 1024
+
+EXIT_STATUS = (
+    "exit status: 0 the goal was reached without contact (run), every episode was run (bench), "
+    "every file is good (check); 1 otherwise; 2 bad input"
+)
+
+
+class UsageError(FuzzyNavError):
+    """Arguments that the command line does not take."""
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        raise UsageError(f"{message} (see {self.prog} --help)")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Args:
+        argv: the arguments; those of the process by default.
+
+    Returns:
+        The exit status.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # whatever the terminal can show
+    try:
+        try:
+            return _dispatch(argv)
+        finally:
+            sys.stdout.flush()
+    except FuzzyNavError as error:
+        print("fuzzynav:", " ".join(str(error).split()), file=sys.stderr)
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        print("fuzzynav: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        # The reader has gone. Python would complain when it flushes once more at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return BROKEN_PIPE
+
+
+def _dispatch(argv: Sequence[str] | None) -> int:
+    try:
+        arguments = _parser().parse_args(argv)
+    except SystemExit as end:  # --help and --version
+        return int(end.code or 0)
+    status: int = arguments.command(arguments)
+    return status
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="fuzzynav",
+        description="Mapless fuzzy navigation among moving obstacles, simulated in MuJoCo.",
+        epilog=EXIT_STATUS,
+    )
+    parser.add_argument("--version", action="version", version=f"fuzzynav {__version__}")
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    _add_run(commands.add_parser("run", help="simulate one episode", epilog=EXIT_STATUS))
+    _add_bench(commands.add_parser("bench", help="run many episodes", epilog=EXIT_STATUS))
+    _add_list(commands.add_parser("list", help="list the scenarios or the planners"))
+    _add_check(commands.add_parser("check", help="check scenario files", epilog=EXIT_STATUS))
+    return parser
+
+
+def _add_run(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scenario", metavar="SCENARIO", help="a name of the library or a file")
+    parser.add_argument("--planner", metavar="NAME", default="fuzzy", help="default: fuzzy")
+    parser.add_argument(
+        "--seed", metavar="N", type=_whole(0, LARGEST_SEED), default=0, help="default: 0"
+    )
+    parser.add_argument("--rrd", metavar="FILE", type=Path, help="write a Rerun recording")
+    parser.add_argument("--json", action="store_true", help="print the record as one JSON object")
+    parser.add_argument("--quiet", action="store_true", help="print no summary")
+    parser.set_defaults(command=_run)
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    from fuzzynav_mj.commands.run import run
+
+    return run(
+        scenario=arguments.scenario,
+        planner=arguments.planner,
+        seed=arguments.seed,
+        recording=arguments.rrd,
+        as_json=arguments.json,
+        quiet=arguments.quiet,
+    )
+
+
+def _add_bench(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "scenarios",
+        metavar="SCENARIO",
+        nargs="*",
+        help="names of the library or files; the paper's four by default",
+    )
+    parser.add_argument(
+        "--planner", metavar="NAME", nargs="+", action="extend", help="default: fuzzy"
+    )
+    parser.add_argument(
+        "--episodes",
+        metavar="N",
+        type=_whole(1, LARGEST_COUNT),
+        default=10,
+        help="for every scenario and planner; default: 10",
+    )
+    parser.add_argument(
+        "--seed",
+        metavar="FIRST",
+        type=_whole(0, LARGEST_SEED),
+        default=0,
+        help="seed of the first episode, counted up from there; default: 0",
+    )
+    parser.add_argument(
+        "--jobs",
+        metavar="N",
+        type=_whole(1, LARGEST_JOBS),
+        default=min(os.cpu_count() or 1, LARGEST_JOBS),
+        help="episodes at a time; default: one for every processor",
+    )
+    parser.add_argument(
+        "--out",
+        metavar="DIR",
+        type=Path,
+        default=Path("results"),
+        help="folder for the results; default: results",
+    )
+    parser.add_argument(
+        "--resume", action="store_true", help="keep what DIR holds and run what is missing"
+    )
+    parser.set_defaults(command=_bench)
+
+
+def _bench(arguments: argparse.Namespace) -> int:
+    from fuzzynav_mj.commands.bench import bench
+
+    if arguments.seed + arguments.episodes - 1 > LARGEST_SEED:
+        raise UsageError(
+            f"argument --seed: given {arguments.seed} with {arguments.episodes} episodes; "
+            f"allowed is a last seed of at most {LARGEST_SEED}"
+        )
+    return bench(
+        names=arguments.scenarios,
+        planners=arguments.planner or ["fuzzy"],
+        seeds=range(arguments.seed, arguments.seed + arguments.episodes),
+        processes=arguments.jobs,
+        folder=arguments.out,
+        resume=arguments.resume,
+    )
+
+
+def _add_list(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "what", metavar="scenarios|planners", choices=("scenarios", "planners"), help="which"
+    )
+    parser.set_defaults(command=_list)
+
+
+def _list(arguments: argparse.Namespace) -> int:
+    from fuzzynav_mj.commands.listing import list_planners, list_scenarios
+
+    return list_scenarios() if arguments.what == "scenarios" else list_planners()
+
+
+def _add_check(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("files", metavar="FILE", nargs="+", help="a scenario file")
+    parser.set_defaults(command=_check)
+
+
+def _check(arguments: argparse.Namespace) -> int:
+    from fuzzynav_mj.commands.listing import check_files
+
+    return check_files(arguments.files)
+
+
+def _whole(least: int, most: int) -> Callable[[str], int]:
+    """A converter to whole numbers from `least` to `most`, in plain digits."""
+
+    def convert(text: str) -> int:
+        plain = text.isascii() and text.isdigit() and len(text) <= len(str(most))
+        if not plain or not least <= int(text) <= most:
+            raise argparse.ArgumentTypeError(
+                f"given {text!r}; allowed is a whole number from {least} to {most}"
+            )
+        return int(text)
+
+    return convert
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,194 @@
+"""`fuzzynav bench`: many episodes, on disk one by one, and their table."""
+
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing, contextmanager
+from hashlib import sha256
+from importlib.resources import files
+from pathlib import Path
+from time import monotonic
+
+from fuzzynav_mj.benchmark import EpisodeJob, episode_jobs, run_jobs
+from fuzzynav_mj.errors import FuzzyNavError
+from fuzzynav_mj.planners import make_planner
+from fuzzynav_mj.results import (
+    SUMMARY,
+    TABLE,
+    EpisodeLog,
+    key_of,
+    replace_file,
+    write_table,
+)
+from fuzzynav_mj.runner import versions
+from fuzzynav_mj.scenarios import library_names, load_scenario
+from fuzzynav_mj.scenarios.schema import Scenario
+from fuzzynav_mj.summary import HEADINGS, markdown, summarise, table_cells
+
+PAPER_SCENARIOS = ("concave", "convex", "maze", "narrow")
+INTERRUPTED = 130
+FAILURES_SHOWN = 10
+
+
+def bench(
+    names: Sequence[str],
+    planners: Sequence[str],
+    seeds: range,
+    processes: int,
+    folder: Path,
+    resume: bool,
+) -> int:
+    """Run episodes, and write and print what they say.
+
+    Args:
+        names: names or files of scenarios; the paper's four where empty.
+        planners: their names.
+        seeds: one episode each.
+        processes: how many episodes at a time.
+        folder: for the results.
+        resume: keep the episodes that the folder holds and run what is missing.
+
+    Returns:
+        The exit status: 0 if every episode was run, 1 if some failed, 130 after Ctrl-C.
+
+    Raises:
+        FuzzyNavError: bad input.
+    """
+    scenarios, digests = _load(names or PAPER_SCENARIOS)
+    chosen = list(dict.fromkeys(planners))
+    for planner in chosen:
+        make_planner(planner)
+    with EpisodeLog(folder, resume) as log:
+        _mention_differences(log, digests)
+        jobs = episode_jobs(scenarios, chosen, seeds)
+        missing = [job for job in jobs if job.key not in log.rows]
+        if len(missing) < len(jobs):
+            _note(f"{len(jobs) - len(missing)} of {len(jobs)} episodes are in {folder} already")
+        interrupted = False
+        try:
+            _run(missing, processes, log, digests)
+        except KeyboardInterrupt:
+            interrupted = True
+            _note("interrupted; --resume runs what is missing")
+        _report(log)
+    if interrupted:
+        return INTERRUPTED
+    return 0 if all(job.key in log.rows for job in jobs) else 1
+
+
+def _load(names: Sequence[str]) -> tuple[list[Scenario], dict[str, str]]:
+    """The scenarios, and the SHA-256 of each one's file by the scenario's name."""
+    scenarios: list[Scenario] = []
+    digests: dict[str, str] = {}
+    given: dict[str, str] = {}
+    for name in dict.fromkeys(names):
+        scenario = load_scenario(name)
+        if scenario.name in given:
+            raise FuzzyNavError(
+                f"{name}: name: given {scenario.name!r}, as in {given[scenario.name]}; "
+                "allowed are different names in one benchmark"
+            )
+        given[scenario.name] = name
+        scenarios.append(scenario)
+        in_library = name in library_names()
+        file = files("fuzzynav_mj.scenarios") / "library" / f"{name}.toml"
+        content = file.read_bytes() if in_library else Path(name).read_bytes()
+        digests[scenario.name] = sha256(content).hexdigest()
+    return scenarios, digests
+
+
+def _run(
+    jobs: Sequence[EpisodeJob], processes: int, log: EpisodeLog, digests: dict[str, str]
+) -> None:
+    with closing(run_jobs(jobs, processes)) as results, _progress(len(jobs)) as advance:
+        for result in results:
+            log.add(result, digests[key_of(result).scenario])
+            advance()
+
+
+@contextmanager
+def _progress(total: int) -> Iterator[Callable[[], None]]:
+    """A progress bar on standard error where that is a terminal; call the result per episode."""
+    if not sys.stderr.isatty():
+        yield lambda: None
+        return
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
+    with Progress(
+        TextColumn("episodes"),
+        BarColumn(bar_width=None),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[rate]}"),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+        console=Console(stderr=True),
+    ) as progress:
+        task = progress.add_task("episodes", total=total, rate="")
+        began = monotonic()
+
+        def advance() -> None:
+            progress.advance(task)
+            done = progress.tasks[0].completed
+            progress.update(task, rate=f"{60 * done / (monotonic() - began):.0f} per min")
+
+        yield advance
+
+
+def _mention_differences(log: EpisodeLog, digests: dict[str, str]) -> None:
+    present = {f"version_{name}": text for name, text in versions().items()}
+    others = {
+        _versions_text({name: str(row.get(name)) for name in present}) for row in log.rows.values()
+    } - {_versions_text(present)}
+    for text in sorted(others):
+        _note(f"{log.folder} holds episodes of {text}; now {_versions_text(present)}")
+    for name, digest in digests.items():
+        held = (row for row in log.rows.values() if row["scenario"] == name)
+        if any(row.get("scenario_sha256") != digest for row in held):
+            _note(f"{log.folder} holds episodes of {name} from before its file was changed")
+
+
+def _versions_text(row_versions: dict[str, str]) -> str:
+    return ", ".join(
+        f"{name.removeprefix('version_')} {text}" for name, text in row_versions.items()
+    )
+
+
+def _report(log: EpisodeLog) -> None:
+    """Write the table and the summary, and print the latter."""
+    rows = log.sorted_rows()
+    write_table(rows, log.folder / TABLE)
+    summaries = summarise(rows)
+    columns = [f"version_{name}" for name in versions()]
+    ran_on = {_versions_text({name: str(row.get(name)) for name in columns}) for row in rows}
+    page = markdown(summaries, log.failures, sorted(ran_on))
+    replace_file(log.folder / SUMMARY, page.encode())
+    if sys.stdout.isatty():
+        from rich.console import Console
+        from rich.table import Table
+
+        table = Table()
+        for index, heading in enumerate(HEADINGS):
+            table.add_column(heading, justify="left" if index < 2 else "right")
+        for cells in table_cells(summaries):
+            table.add_row(*cells)
+        Console(highlight=False).print(table)
+    else:
+        print(page)
+    print(f"results: {log.folder / TABLE}, {log.folder / SUMMARY}")
+    failed = sorted(log.failures)
+    for key in failed[:FAILURES_SHOWN]:
+        _note(f"failed: {key}: {log.failures[key]}")
+    if len(failed) > FAILURES_SHOWN:
+        _note(f"failed: {len(failed) - FAILURES_SHOWN} more, see {log.folder / SUMMARY}")
+
+
+def _note(text: str) -> None:
+    print(f"fuzzynav: {text}", file=sys.stderr)

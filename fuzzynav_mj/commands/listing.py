@@ -1,0 +1,48 @@
+"""`fuzzynav list` and `fuzzynav check`: what there is, and whether a file can be used."""
+
+import sys
+from collections.abc import Sequence
+
+import numpy as np
+
+from fuzzynav_mj.errors import FuzzyNavError
+from fuzzynav_mj.planners import PLANNERS, make_planner
+from fuzzynav_mj.scenarios import library_names, load_scenario
+from fuzzynav_mj.scenarios.world import make_world
+
+
+def list_scenarios() -> int:
+    """Print the library's scenarios, one a line: name and description."""
+    names = library_names()
+    width = max(map(len, names))
+    for name in names:
+        print(f"{name:<{width}}  {load_scenario(name).description}")
+    return 0
+
+
+def list_planners() -> int:
+    """Print the planners, one a line: name and what each is given."""
+    width = max(map(len, PLANNERS))
+    for name in sorted(PLANNERS):
+        needs = make_planner(name).requires
+        given = ["pose, twist and goal"]
+        given += ["what the sensor shows"] if needs.perception else []
+        given += ["the map of the static obstacles"] if needs.static_map else []
+        print(f"{name:<{width}}  given {'; '.join(given)}")
+    return 0
+
+
+def check_files(files: Sequence[str]) -> int:
+    """Print a line for every scenario file: to standard error what is wrong with it."""
+    status = 0
+    for file in files:
+        try:
+            scenario = load_scenario(file)
+            # Only drawing shows whether the drawn obstacles find room.
+            make_world(scenario, np.random.default_rng(0))
+        except FuzzyNavError as error:
+            print(f"fuzzynav: {error}", file=sys.stderr)
+            status = 2
+        else:
+            print(f"{file}: ok ({scenario.name})")
+    return status

@@ -1,0 +1,206 @@
+"""The folder that a benchmark leaves behind: a log that grows by the episode, and a table."""
+
+import contextlib
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from fuzzynav_mj.errors import FuzzyNavError
+from fuzzynav_mj.metrics import record_to_row
+from fuzzynav_mj.types import EpisodeRecord
+
+LOG = "episodes.jsonl"
+TABLE = "episodes.parquet"
+SUMMARY = "summary.md"
+
+TEXT_COLUMNS = ("scenario", "planner", "outcome", "contact_with", "scenario_sha256")
+WHOLE_COLUMNS = ("seed", "contacts_count", "gate_vetoes", "decisions", "physics_steps")
+FLAG_COLUMNS = ("contact_at_fault",)
+COLUMNS = (
+    "scenario", "planner", "seed", "outcome", "sim_time_s", "path_length_m", "shortest_path_m",
+    "optimality", "min_clearance_m", "risk_max", "risk_mean", "gate_vetoes", "decisions",
+    "plan_ms_p50", "plan_ms_p99", "wall_s", "physics_steps", "tracking_rms_m", "slip_max_mps",
+    "contacts_count", "contact_time_s", "contact_with", "contact_robot_speed_mps",
+    "contact_at_fault", "version_fuzzynav_mj", "version_mujoco", "version_dm_control",
+    "version_numpy", "scenario_sha256",
+)  # fmt: skip
+"""The columns of the table, in order: the fields of the episode record, flattened, and the
+digest of the scenario's file."""
+
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class EpisodeKey:
+    """What tells one episode of a benchmark from another; sorts as the rows do."""
+
+    scenario: str
+    planner: str
+    seed: int
+
+    def __str__(self) -> str:
+        return f"{self.scenario}, {self.planner}, seed {self.seed}"
+
+
+@dataclass(frozen=True, slots=True)
+class FailedEpisode:
+    """An episode that came to no end of its own.
+
+    Attributes:
+        key: which one.
+        reason: what stopped it, one line.
+    """
+
+    key: EpisodeKey
+    reason: str
+
+
+def key_of(result: EpisodeRecord | FailedEpisode) -> EpisodeKey:
+    """Which episode a result is of."""
+    if isinstance(result, FailedEpisode):
+        return result.key
+    return EpisodeKey(result.scenario, result.planner, result.seed)
+
+
+class EpisodeLog:
+    """Finished episodes, one JSON object a line, each on disk before the next one is taken.
+
+    A line counts once its newline is there, so a process that dies while writing costs one episode.
+
+    Args:
+        folder: holds the log and what is made of it; made where it is missing.
+        resume: whether the folder may hold episodes already.
+
+    Attributes:
+        rows: by key, in the order of being finished.
+        failures: reason by key, of the episodes that failed and were not finished since.
+
+    Raises:
+        FuzzyNavError: the folder holds results and `resume` is false, it cannot be written, or its
+            log is not one.
+    """
+
+    def __init__(self, folder: Path, resume: bool) -> None:
+        self.folder = folder
+        self.rows: dict[EpisodeKey, Row] = {}
+        self.failures: dict[EpisodeKey, str] = {}
+        path = folder / LOG
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            content = path.read_bytes() if path.exists() else b""
+            if not resume and (content or (folder / TABLE).exists()):
+                raise FuzzyNavError(
+                    f"{folder}: --out: given a folder that holds results; "
+                    "allowed is one without, or --resume to add what is missing"
+                )
+            whole = content.rfind(b"\n") + 1
+            for number, line in enumerate(content[:whole].splitlines(), start=1):
+                self._read(line, number)
+            self._file = path.open("ab")
+            self._file.truncate(whole)
+        except OSError as error:
+            raise FuzzyNavError(
+                f"{folder}: --out: given a folder that cannot be used ({error.strerror}); "
+                "allowed is one that can be written"
+            ) from None
+
+    def add(self, result: EpisodeRecord | FailedEpisode, scenario_sha256: str) -> None:
+        """Write one episode to disk, and wait until it is there.
+
+        Raises:
+            FuzzyNavError: it cannot be written.
+        """
+        key = key_of(result)
+        if isinstance(result, FailedEpisode):
+            row: Row = asdict(key) | {"error": result.reason}
+        else:
+            row = record_to_row(result) | {"scenario_sha256": scenario_sha256}
+        line = json.dumps(row, allow_nan=False) + "\n"
+        try:
+            self._file.write(line.encode())
+            self._file.flush()
+            os.fsync(self._file.fileno())
+        except OSError as error:
+            path = self.folder / LOG
+            raise FuzzyNavError(f"{path}: cannot write an episode: {error.strerror}") from None
+        self._keep(key, row)
+
+    def sorted_rows(self) -> list[Row]:
+        """The finished episodes by scenario, planner and seed, in whatever order they came."""
+        return [self.rows[key] for key in sorted(self.rows)]
+
+    def close(self) -> None:
+        """Close the file; nothing can be added afterwards."""
+        self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _read(self, line: bytes, number: int) -> None:
+        try:
+            row = json.loads(line)
+            key = EpisodeKey(str(row["scenario"]), str(row["planner"]), int(row["seed"]))
+        except (ValueError, KeyError, TypeError):
+            raise FuzzyNavError(
+                f"{self.folder / LOG}: line {number}: given text that is not an episode; "
+                "allowed is one JSON object with scenario, planner and seed"
+            ) from None
+        self._keep(key, row)
+
+    def _keep(self, key: EpisodeKey, row: Row) -> None:
+        if "error" in row:
+            self.failures[key] = row["error"]
+        else:
+            self.rows[key] = row
+            self.failures.pop(key, None)
+
+
+def write_table(rows: Sequence[Row], path: Path) -> None:
+    """Write `rows` as a Parquet file with the columns `COLUMNS`, whole or not at all.
+
+    Raises:
+        FuzzyNavError: it cannot be written.
+    """
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    def type_of(column: str) -> pa.DataType:
+        if column in TEXT_COLUMNS or column.startswith("version_"):
+            return pa.string()
+        if column in WHOLE_COLUMNS:
+            return pa.int64()
+        return pa.bool_() if column in FLAG_COLUMNS else pa.float64()
+
+    schema = pa.schema([(column, type_of(column)) for column in COLUMNS])
+    table = pa.Table.from_pylist(list(rows), schema=schema)
+    sink = pa.BufferOutputStream()
+    pq.write_table(table, sink, compression="zstd")
+    replace_file(path, sink.getvalue().to_pybytes())
+
+
+def replace_file(path: Path, content: bytes) -> None:
+    """Write a file whole or not at all.
+
+    Raises:
+        FuzzyNavError: it cannot be written.
+    """
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        part.write_bytes(content)
+        part.replace(path)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            part.unlink()
+        raise FuzzyNavError(f"{path}: cannot be written: {error.strerror}") from None

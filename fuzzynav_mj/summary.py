@@ -1,0 +1,165 @@
+"""What a benchmark's episodes say together: one line for every scenario and planner."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from math import nan
+from statistics import fmean, median, stdev
+
+from fuzzynav_mj.metrics import wilson_interval
+from fuzzynav_mj.results import EpisodeKey, Row
+from fuzzynav_mj.types import Outcome
+
+HEADINGS = (
+    "scenario", "planner", "episodes", "reached", "success % [95 %]", "path m", "optimality %",
+    "time s", "contacts (at fault)", "vetoes", "plan ms p50 / p99",
+)  # fmt: skip
+
+NOTE = (
+    "Success is reaching the goal without contact, with its Wilson 95 % interval. Path, optimality "
+    "and simulated time are mean ± standard deviation over the successful episodes; vetoes are the "
+    "mean number per episode; planning times are medians over the episodes, one decision each, "
+    "measured while the other processes were running."
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """Mean and sample standard deviation; nan where there are too few values."""
+
+    mean: float
+    std: float
+
+
+@dataclass(frozen=True, slots=True)
+class GroupSummary:
+    """The episodes of one scenario and planner.
+
+    Attributes:
+        scenario: its name.
+        planner: its name.
+        episodes: finished episodes.
+        successes: episodes that reached the goal without contact.
+        interval: Wilson 95 % interval of the success rate.
+        path_length: of the successful episodes, m.
+        optimality: of the successful episodes, 0..1.
+        sim_time: of the successful episodes, s.
+        contacts: episodes that ended in contact.
+        contacts_at_fault: those where the robot moved.
+        vetoes: mean number per episode.
+        plan_ms_p50: median over the episodes of the median time of a decision, ms.
+        plan_ms_p99: median over the episodes of the 99th percentile, ms.
+    """
+
+    scenario: str
+    planner: str
+    episodes: int
+    successes: int
+    interval: tuple[float, float]
+    path_length: Spread
+    optimality: Spread
+    sim_time: Spread
+    contacts: int
+    contacts_at_fault: int
+    vetoes: float
+    plan_ms_p50: float
+    plan_ms_p99: float
+
+
+def summarise(rows: Iterable[Row]) -> list[GroupSummary]:
+    """One summary for every scenario and planner; `rows` sorted by both."""
+    return [
+        _summarise_group(scenario, planner, list(group))
+        for (scenario, planner), group in groupby(
+            rows, key=lambda row: (row["scenario"], row["planner"])
+        )
+    ]
+
+
+def table_cells(summaries: Iterable[GroupSummary]) -> list[tuple[str, ...]]:
+    """The summaries as the texts under `HEADINGS`."""
+    return [
+        (
+            group.scenario,
+            group.planner,
+            str(group.episodes),
+            str(group.successes),
+            f"{100 * group.successes / group.episodes:.1f} "
+            f"[{100 * group.interval[0]:.1f}, {100 * group.interval[1]:.1f}]",
+            _spread_text(group.path_length, 2),
+            _spread_text(group.optimality, 1, 100.0),
+            _spread_text(group.sim_time, 1),
+            f"{group.contacts} ({group.contacts_at_fault})",
+            f"{group.vetoes:.1f}",
+            f"{_number(group.plan_ms_p50, 1)} / {_number(group.plan_ms_p99, 1)}",
+        )
+        for group in summaries
+    ]
+
+
+def markdown(
+    summaries: Sequence[GroupSummary],
+    failures: Mapping[EpisodeKey, str],
+    versions: Sequence[str],
+) -> str:
+    """The summaries as a page of Markdown.
+
+    Args:
+        summaries: the table's lines.
+        failures: reason by episode, of those that have no row.
+        versions: what the episodes ran on, one text for each set of versions among them.
+    """
+    lines = ["# Benchmark", "", *(f"Ran on {text}." for text in versions), ""]
+    lines += ["| " + " | ".join(HEADINGS) + " |", "|" + " --- |" * len(HEADINGS)]
+    for cells in table_cells(summaries):
+        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    lines += ["", NOTE, ""]
+    if failures:
+        lines += ["## Failed episodes", "", "They have no row and count nowhere above.", ""]
+        lines += [f"- {key}: {failures[key]}" for key in sorted(failures)] + [""]
+    return "\n".join(lines)
+
+
+def _summarise_group(scenario: str, planner: str, rows: Sequence[Row]) -> GroupSummary:
+    reached = [row for row in rows if row["outcome"] == Outcome.GOAL_REACHED.value]
+    return GroupSummary(
+        scenario=scenario,
+        planner=planner,
+        episodes=len(rows),
+        successes=len(reached),
+        interval=wilson_interval(len(reached), len(rows)),
+        path_length=_spread(_values(reached, "path_length_m")),
+        optimality=_spread(_values(reached, "optimality")),
+        sim_time=_spread(_values(reached, "sim_time_s")),
+        contacts=sum(row["outcome"] == Outcome.CONTACT.value for row in rows),
+        contacts_at_fault=sum(bool(row.get("contact_at_fault")) for row in rows),
+        vetoes=fmean(_values(rows, "gate_vetoes")),
+        plan_ms_p50=_median(_values(rows, "plan_ms_p50")),
+        plan_ms_p99=_median(_values(rows, "plan_ms_p99")),
+    )
+
+
+def _values(rows: Iterable[Row], column: str) -> list[float]:
+    values = (row.get(column) for row in rows)
+    return [float(value) for value in values if value is not None]
+
+
+def _spread(values: Sequence[float]) -> Spread:
+    return Spread(
+        mean=fmean(values) if values else nan,
+        std=stdev(values) if len(values) > 1 else nan,
+    )
+
+
+def _median(values: Sequence[float]) -> float:
+    return median(values) if values else nan
+
+
+def _spread_text(spread: Spread, digits: int, scale: float = 1.0) -> str:
+    if spread.mean != spread.mean:
+        return "-"
+    return f"{scale * spread.mean:.{digits}f} ± {_number(scale * spread.std, digits)}"
+
+
+def _number(value: float, digits: int) -> str:
+    return "-" if value != value else f"{value:.{digits}f}"
