@@ -1,7 +1,7 @@
 """Candidate motions: directions times speeds, rolled out under the robot's limits.
 
-A candidate turns towards its direction and drives on in it. Roll-outs depend only on the speeds
-that the robot has now, so they are computed once per speed class and looked up afterwards.
+A candidate turns towards its direction and drives on in it. How the heading turns depends only on
+the present yaw rate, so headings come from a table; speeds and places are rolled out each time.
 """
 
 from dataclasses import dataclass
@@ -16,12 +16,12 @@ from fuzzynav_mj.types import FloatArray, IntArray, Twist2D
 HORIZON = 16  # steps of one decision period each
 TURN_STEP = pi / 90  # directions are held in steps of two degrees
 TURNS = round(2 * pi / TURN_STEP)
-SPEED_CLASS = 0.1  # m/s
-YAW_RATE_CLASS = 1.0  # rad/s
+NO_TURN = TURNS  # the row of the heading table in which the robot stops turning
+YAW_RATE_CLASS = 0.1  # rad/s
 TURN_TIME = 0.2  # s: time constant of the turn towards the direction
+FINE_STEPS = 4  # so many half periods are rolled out first, where speeds still change fast
 FORWARD_SPEEDS = (1.0, 0.5, 0.2)  # fractions of the top speed
 REVERSE_SPEEDS = (1.0, 0.4)
-_SUBSTEPS = 4
 
 # Offsets from the wanted direction, finer around it, in turn steps; and heading changes tried
 # while reversing.
@@ -49,26 +49,20 @@ class Motions:
 
 def candidate_motions(wanted: float, twist: Twist2D, spec: RobotSpec) -> Motions:
     """Candidates around a wanted direction of travel (rad, robot frame), and the one that stops."""
-    v_class = round(twist.v / SPEED_CLASS)
-    omega_class = round(twist.omega / YAW_RATE_CLASS)
-    forward, reverse, stop = _rollouts(v_class, omega_class, spec)
-    turns = (round(wanted / TURN_STEP) + FORWARD_OFFSETS) % TURNS
-    poses = np.concatenate(
-        (
-            forward[:, turns].reshape(-1, HORIZON, 3),
-            reverse[:, REVERSE_OFFSETS % TURNS].reshape(-1, HORIZON, 3),
-            stop[None],
-        )
+    ahead = (round(wanted / TURN_STEP) + FORWARD_OFFSETS) % TURNS
+    back = REVERSE_OFFSETS % TURNS
+    rows = np.concatenate(
+        (np.tile(ahead, len(FORWARD_SPEEDS)), np.tile(back, len(REVERSE_SPEEDS)), [NO_TURN])
     )
-    speed, brake_steps = _aims(spec)
     direction = np.concatenate(
         (
-            np.tile(turns * TURN_STEP, len(FORWARD_SPEEDS)),
-            np.tile(REVERSE_OFFSETS * TURN_STEP + pi, len(REVERSE_SPEEDS)),
+            np.tile(ahead * TURN_STEP, len(FORWARD_SPEEDS)),
+            np.tile(back * TURN_STEP + pi, len(REVERSE_SPEEDS)),
             [0.0],
         )
     )
-    return Motions(poses, speed, direction, brake_steps)
+    speed, brake_steps = _aims(spec)
+    return Motions(_roll(rows, speed, twist, spec), speed, direction, brake_steps)
 
 
 @lru_cache(maxsize=8)
@@ -80,42 +74,73 @@ def _aims(spec: RobotSpec) -> tuple[FloatArray, IntArray]:
     return speed, np.ceil(time / spec.decision_period - 1e-9).astype(np.intp)
 
 
-@lru_cache(maxsize=1024)
-def _rollouts(
-    v_class: int, omega_class: int, spec: RobotSpec
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """All roll-outs from one class of speeds: (speeds, TURNS, HORIZON, 3) forward and reverse,
-    and (HORIZON, 3) for stopping."""
-    v, omega = v_class * SPEED_CLASS, omega_class * YAW_RATE_CLASS
+@dataclass(frozen=True, slots=True, eq=False)
+class _Headings:
+    """Headings over time for each class of yaw rate and each row of turns.
+
+    Attributes:
+        span: (steps,) length of each time step, s.
+        yaw: (classes, rows, steps) heading in the middle of each step.
+        rate: (classes, rows, steps) mean yaw rate in it.
+        drive: (classes, rows, steps) share of the speed aimed at, at its end.
+        after: (classes, rows, HORIZON) heading after each decision period.
+        whole: (HORIZON,) the step that each decision period ends with.
+    """
+
+    span: FloatArray
+    yaw: FloatArray
+    rate: FloatArray
+    drive: FloatArray
+    after: FloatArray
+    whole: IntArray
+
+
+@lru_cache(maxsize=8)
+def _headings(spec: RobotSpec) -> _Headings:
+    period = spec.decision_period
+    span = np.array([period / 2] * FINE_STEPS + [period] * (HORIZON - FINE_STEPS // 2))
+    whole = np.searchsorted(np.cumsum(span), (np.arange(HORIZON) + 1) * period - 1e-9)
     turns = np.arange(TURNS) * TURN_STEP
-    turns = np.where(turns > pi, turns - 2 * pi, turns)
-    forward = np.stack([_roll(v, omega, turns, f * spec.max_speed, spec) for f in FORWARD_SPEEDS])
-    reverse = np.stack([_roll(v, omega, turns, -f * spec.max_speed, spec) for f in REVERSE_SPEEDS])
-    return forward, reverse, _roll(v, omega, np.zeros(1), 0.0, spec)[0]
-
-
-def _roll(v: float, omega: float, turns: FloatArray, aim: float, spec: RobotSpec) -> np.ndarray:
-    """(len(turns), HORIZON, 3) poses while turning by `turns` and driving at `aim`."""
-    dt = spec.decision_period / _SUBSTEPS
-    speed, rate = np.full(len(turns), v), np.full(len(turns), omega)
-    x, y, yaw = np.zeros((3, len(turns)))
-    poses = np.empty((len(turns), HORIZON, 3), dtype=np.float32)
-    turning = 1.0 if aim else 0.0
-    for step in range(HORIZON):
-        for _ in range(_SUBSTEPS):
+    turns = np.append(np.where(turns > pi, turns - 2 * pi, turns), 0.0)
+    turning = np.append(np.ones(TURNS), 0.0)
+    classes = round(spec.max_yaw_rate / YAW_RATE_CLASS)
+    rate = np.repeat(np.arange(-classes, classes + 1)[:, None] * YAW_RATE_CLASS, len(turns), axis=1)
+    yaw = np.zeros_like(rate)
+    middle, mean, drive, after = [], [], [], []
+    for step in span:
+        start = yaw
+        for part in (step / 2, step / 2):
             error = turns - yaw
-            wanted_rate = turning * np.clip(
-                error / TURN_TIME, -spec.max_yaw_rate, spec.max_yaw_rate
-            )
-            # Drive while roughly on course; turn on the spot otherwise.
-            wanted_speed = aim * np.maximum(np.cos(np.clip(error, -pi / 2, pi / 2)), 0.0) ** 2
-            change, turn = spec.max_acceleration * dt, spec.max_yaw_acceleration * dt
-            speed = speed + np.clip(wanted_speed - speed, -change, change)
-            rate = rate + np.clip(wanted_rate - rate, -turn, turn)
-            middle = yaw + rate * (dt / 2)
-            side = spec.axle_offset * rate
-            x = x + (np.cos(middle) * speed - np.sin(middle) * side) * dt
-            y = y + (np.sin(middle) * speed + np.cos(middle) * side) * dt
-            yaw = yaw + rate * dt
-        poses[:, step] = np.stack((x, y, yaw), axis=1)
-    return poses
+            wanted = turning * np.clip(error / TURN_TIME, -spec.max_yaw_rate, spec.max_yaw_rate)
+            change = np.clip(wanted - rate, *(spec.max_yaw_acceleration * part * np.array([-1, 1])))
+            yaw = yaw + (rate + change / 2) * part
+            rate = rate + change
+            middle.append(yaw)
+        mean.append((yaw - start) / step)
+        error = turns - yaw
+        # Drive while roughly on course; turn on the spot otherwise.
+        drive.append(np.maximum(np.cos(np.clip(error, -pi / 2, pi / 2)), 0.0) ** 2)
+        after.append(yaw)
+    stacked = [np.stack(x, axis=2) for x in (middle[::2], mean, drive, after)]
+    return _Headings(span, *stacked[:3], stacked[3][:, :, whole], whole)
+
+
+def _roll(rows: IntArray, aim: FloatArray, twist: Twist2D, spec: RobotSpec) -> np.ndarray:
+    """(m, HORIZON, 3) float32 poses for rows (m,) of the heading table and speeds aimed at (m,)."""
+    table = _headings(spec)
+    classes = round(spec.max_yaw_rate / YAW_RATE_CLASS)
+    kind = min(max(round(twist.omega / YAW_RATE_CLASS), -classes), classes) + classes
+    wanted = table.drive[kind, rows] * aim[:, None]
+    speed = np.full(len(rows), twist.v)
+    means = np.empty_like(wanted)
+    for step, span in enumerate(table.span.tolist()):
+        change = spec.max_acceleration * span
+        new = np.minimum(np.maximum(wanted[:, step], speed - change), speed + change)
+        means[:, step] = (speed + new) / 2
+        speed = new
+    yaw = table.yaw[kind, rows]
+    c, s = np.cos(yaw), np.sin(yaw)
+    side = spec.axle_offset * table.rate[kind, rows]
+    x = np.cumsum((c * means - s * side) * table.span, axis=1)[:, table.whole]
+    y = np.cumsum((s * means + c * side) * table.span, axis=1)[:, table.whole]
+    return np.stack((x, y, table.after[kind, rows]), axis=2).astype(np.float32)

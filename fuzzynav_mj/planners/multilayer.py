@@ -41,6 +41,7 @@ class DecisionSettings:
         moving_margin: smallest gap kept to what moves, now ...
         moving_margin_growth: ... and per second of prediction.
         contact_gap: a smaller predicted gap counts as contact.
+        static_recovery: gap to regain per metre travelled where there is less than the margin.
         comfortable_gap: gap to standing obstacles below which a candidate costs more.
         static_weight: cost per metre missing of it.
         moving_gap: gap to movers below which a candidate costs more, now ...
@@ -58,6 +59,7 @@ class DecisionSettings:
     moving_margin: float = 0.04
     moving_margin_growth: float = 0.04
     contact_gap: float = 0.01
+    static_recovery: float = 0.15
     comfortable_gap: float = 0.10
     static_weight: float = 0.5
     moving_gap: float = 0.10
@@ -143,9 +145,10 @@ class MultilayerPlanner:
         here = np.zeros((1, 1, 3), dtype=np.float32)
         gap_now = float(static_clearance(here, standing, spec.half_side)[0, 0])
         margin = settings.static_margin + settings.static_margin_growth * np.abs(motions.speed)
-        # Closer than that already: no closer, and slowly.
-        slow = np.abs(motions.speed) < 0.3 * spec.max_speed
-        margin = np.where(slow, np.minimum(margin, gap_now - 0.001), margin)[:, None]
+        # Closer than that already: any speed will do that makes room at once.
+        times = _times(spec)
+        regained = gap_now - 0.002 + settings.static_recovery * np.abs(motions.speed)[:, None] * times
+        margin = np.minimum(margin[:, None], regained)
         static = static_clearance(motions.poses, standing, spec.half_side)
         # Drive on until just before what stands, then stop there.
         touching = static < margin
@@ -159,7 +162,6 @@ class MultilayerPlanner:
         c, s = cos(pose.yaw), sin(pose.yaw)
         to_robot = np.array([[c, s], [-s, c]])
         moving = moving_clearance(poses, to_robot @ around.moving, spec.half_side)
-        times = _times(spec)
         berth = settings.moving_gap + settings.moving_gap_growth * np.minimum(
             times, settings.moving_gap_time
         )

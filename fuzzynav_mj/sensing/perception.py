@@ -37,7 +37,7 @@ class PerceptionSettings:
         flow_sigma: uncertainty of one hit's surface motion, m.
         independent_hits: hits on one obstacle beyond this number tell nothing new.
         outlier: deviation from the obstacle's motion at which a hit counts half, m/s.
-        outline_sigma: uncertainty of the middle of a visible outline, m.
+        outline_sigma: uncertainty of the place of a visible outline's end, m.
         slowest: movers below this speed count as static, m/s.
         mover_extent: the largest extent believed of a mover's visible side, m.
     """
@@ -49,7 +49,7 @@ class PerceptionSettings:
     flow_sigma: float = 0.006
     independent_hits: float = 6.0
     outlier: float = 0.06
-    outline_sigma: float = 0.012
+    outline_sigma: float = 0.017
     slowest: float = 0.04
     mover_extent: float = 0.7
 
@@ -123,7 +123,8 @@ class Perceiver:
         ends = np.append(begin, len(hits.points))[1:]
         spans = [slice(int(a), int(b)) for a, b in zip(begin, ends, strict=True)]
         tracks: list[Track | None] = [None] * len(spans)
-        for index in np.argsort(-flags, kind="stable"):  # moving ones take the tracks first
+        # Moving ones take the tracks first, and of those the ones with the most hits.
+        for index in np.lexsort((begin - ends, -flags)):
             span = spans[index]
             tracks[index] = self._track(
                 hits, span, flows, bool(flags[index] == MOVING), now
@@ -149,14 +150,11 @@ class Perceiver:
             track = Track.begin(centre)
             self._tracks.append(track)
         rows, rates = self._surface_motion(span, flows, track)
-        middle = _outline_middle(hits, span, now)
-        if middle is None:
-            track.outlines.clear()
-        else:
-            if track.outlines:
-                row, rate = self._outline_motion(now, middle, track)
-                rows, rates = np.concatenate((rows, row)), np.concatenate((rates, rate))
-            track.outlines.append((now.stamp, middle))
+        ends = _outline_ends(hits, span, now)
+        if track.outlines:
+            row, rate = self._outline_motion(now, ends, track)
+            rows, rates = np.concatenate((rows, row)), np.concatenate((rates, rate))
+        track.outlines.append((now.stamp, ends))
         track.update(centre, rows, rates)
         if track.speed < settings.slowest or track.speed > settings.top_speed:
             return None
@@ -184,29 +182,30 @@ class Perceiver:
         return rows * root[:, None], rate * root
 
     def _outline_motion(
-        self, now: Look, middle: FloatArray, track: Track
+        self, now: Look, ends: FloatArray, track: Track
     ) -> tuple[FloatArray, FloatArray]:
-        """The same for the shift of the visible outline across the line of sight."""
+        """The same for the shift of the visible outline's ends across the line of sight."""
         stamp, before = track.outlines[0]
         elapsed = now.stamp - stamp
-        sight = middle - np.array([now.pose.x, now.pose.y])
-        across = np.array([[-sight[1], sight[0]]]) / max(float(np.hypot(*sight)), 1e-9)
+        seen = ~np.isnan(ends[:, 0] + before[:, 0])
+        sight = ends[seen] - np.array([now.pose.x, now.pose.y])
+        length = np.maximum(np.hypot(sight[:, 0], sight[:, 1]), 1e-9)
+        across = np.stack((-sight[:, 1], sight[:, 0]), axis=1) / length[:, None]
         root = elapsed / self._settings.outline_sigma
-        rate = across @ (middle - before) / elapsed
-        return speed_rows(across, np.array([elapsed])) * root, rate * root
+        rates = (across * (ends[seen] - before[seen])).sum(axis=1) / elapsed
+        rows = speed_rows(across, np.full(len(rates), elapsed))
+        return rows * root, rates * root
 
 
-def _outline_middle(hits: Hits, span: slice, look: Look) -> FloatArray | None:
-    """Middle between the two ends of an obstacle's visible outline; None if one may be hidden."""
+def _outline_ends(hits: Hits, span: slice, look: Look) -> FloatArray:
+    """(2, 2) first and last hit of an obstacle; nan where something nearer may hide its end."""
     count = len(look.ranges)
-    first, last = hits.rays[span.start], hits.rays[span.stop - 1]
-    if (
-        look.ranges[(first - 1) % count] < look.ranges[first] + END_DEPTH
-        or look.ranges[(last + 1) % count] < look.ranges[last] + END_DEPTH
-    ):
-        return None
-    middle: FloatArray = (hits.points[span.start] + hits.points[span.stop - 1]) / 2
-    return middle
+    ends = hits.points[[span.start, span.stop - 1]]
+    for row, (index, step) in enumerate(((span.start, -1), (span.stop - 1, 1))):
+        ray = int(hits.rays[index])
+        if look.ranges[(ray + step) % count] < look.ranges[ray] + END_DEPTH:
+            ends[row] = np.nan
+    return ends
 
 
 def _perceived(points: FloatArray, track: Track | None, pose: Pose2D) -> PerceivedObstacle:

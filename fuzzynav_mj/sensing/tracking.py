@@ -30,8 +30,8 @@ class Track:
         state: (4,) velocity, m/s, and acceleration, m/s2.
         covariance: (4, 4) of the state.
         missed: looks since it was seen.
-        outlines: (stamp, middle of the visible outline's two ends) of the last looks that showed
-            both ends.
+        outlines: of the last looks, the stamp and the two ends (2, 2) of the visible outline; nan
+            for an end that something nearer may have hidden.
     """
 
     centre: FloatArray
