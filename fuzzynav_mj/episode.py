@@ -216,9 +216,7 @@ class _Moment:
     block: BlockTruth
 
 
-def _steps(
-    moments: list[_Moment], world: World, spec: RobotSpec
-) -> tuple[StepRecord, ...]:
+def _steps(moments: list[_Moment], world: World, spec: RobotSpec) -> tuple[StepRecord, ...]:
     if not moments:
         return ()
     poses = np.array([[m.pose.x, m.pose.y, m.pose.yaw] for m in moments])

@@ -108,7 +108,7 @@ def _run(
 @contextmanager
 def _progress(total: int) -> Iterator[Callable[[], None]]:
     """A progress bar on standard error where that is a terminal; call the result per episode."""
-    if not sys.stderr.isatty():
+    if total == 0 or not sys.stderr.isatty():
         yield lambda: None
         return
     from rich.console import Console
@@ -171,15 +171,7 @@ def _report(log: EpisodeLog) -> None:
     page = markdown(summaries, log.failures, sorted(ran_on))
     replace_file(log.folder / SUMMARY, page.encode())
     if sys.stdout.isatty():
-        from rich.console import Console
-        from rich.table import Table
-
-        table = Table()
-        for index, heading in enumerate(HEADINGS):
-            table.add_column(heading, justify="left" if index < 2 else "right")
-        for cells in table_cells(summaries):
-            table.add_row(*cells)
-        Console(highlight=False).print(table)
+        _print_table(table_cells(summaries))
     else:
         print(page)
     print(f"results: {log.folder / TABLE}, {log.folder / SUMMARY}")
@@ -188,6 +180,24 @@ def _report(log: EpisodeLog) -> None:
         _note(f"failed: {key}: {log.failures[key]}")
     if len(failed) > FAILURES_SHOWN:
         _note(f"failed: {len(failed) - FAILURES_SHOWN} more, see {log.folder / SUMMARY}")
+
+
+def _print_table(lines: Sequence[Sequence[str]]) -> None:
+    """Print as many of the columns as the terminal is wide; the summary's file has them all."""
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(highlight=False)
+    columns = list(zip(HEADINGS, *lines, strict=True))
+    while sum(max(map(len, column)) + 3 for column in columns) + 1 > console.width:
+        columns.pop()
+    table = Table(box=SIMPLE_HEAD)
+    for index, column in enumerate(columns):
+        table.add_column(column[0], justify="left" if index < 2 else "right", no_wrap=True)
+    for cells in zip(*(column[1:] for column in columns), strict=True):
+        table.add_row(*cells)
+    console.print(table)
 
 
 def _note(text: str) -> None:

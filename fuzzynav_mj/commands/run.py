@@ -3,6 +3,7 @@
 import contextlib
 import json
 import math
+import shlex
 import shutil
 import sys
 import tempfile
@@ -112,7 +113,8 @@ def summary_lines(record: EpisodeRecord, recording: Path | None) -> list[tuple[s
         ("planning", f"{record.plan_ms_p50:.1f} ms median, {record.plan_ms_p99:.1f} ms 99th pct."),
     ]
     if recording is not None:
-        lines += [("recording", str(recording)), ("open it with", f"{_viewer()} {recording}")]
+        viewer = shlex.join([_viewer(), str(recording)])
+        lines += [("recording", str(recording)), ("open it with", viewer)]
     return lines
 
 

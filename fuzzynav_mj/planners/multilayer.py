@@ -56,16 +56,16 @@ class DecisionSettings:
 
     static_margin: float = 0.015
     static_margin_growth: float = 0.05
-    moving_margin: float = 0.04
-    moving_margin_growth: float = 0.04
+    moving_margin: float = 0.06
+    moving_margin_growth: float = 0.06
     contact_gap: float = 0.01
     static_recovery: float = 0.15
     comfortable_gap: float = 0.10
-    static_weight: float = 0.5
+    static_weight: float = 1.5
     moving_gap: float = 0.10
     moving_gap_growth: float = 0.20
     moving_gap_time: float = 1.0
-    moving_weight: float = 1.0
+    moving_weight: float = 1.5
     reverse_cost: float = 0.10
     change_cost: float = 0.02
     progress_steps: int = 8

@@ -54,7 +54,8 @@ class PerceptionSettings:
     mover_extent: float = 0.7
 
 
-END_DEPTH = 0.05  # m: an outline ends where the next ray reaches this much farther
+END_DEPTH = 0.05  # m: an outline ends where the next ray reaches this much farther ...
+RANGE_END_DEPTH = 0.15  # m: ... or this much, where the next ray hits nothing
 
 DEFAULT_SETTINGS = PerceptionSettings()
 
@@ -203,7 +204,10 @@ def _outline_ends(hits: Hits, span: slice, look: Look) -> FloatArray:
     ends = hits.points[[span.start, span.stop - 1]]
     for row, (index, step) in enumerate(((span.start, -1), (span.stop - 1, 1))):
         ray = int(hits.rays[index])
-        if look.ranges[(ray + step) % count] < look.ranges[ray] + END_DEPTH:
+        beside = (ray + step) % count
+        # Where nothing was hit beside it, the obstacle may go on just out of range.
+        depth = END_DEPTH if look.hit[beside] else RANGE_END_DEPTH
+        if look.ranges[beside] < look.ranges[ray] + depth:
             ends[row] = np.nan
     return ends
 
