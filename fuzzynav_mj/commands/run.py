@@ -66,16 +66,16 @@ def check_recording_target(path: Path) -> None:
         FuzzyNavError: it cannot.
     """
     given = None
-    if path.exists() and not path.is_file():
-        given = "something else than a file"
-    elif not path.parent.is_dir():
-        given = f"a file in {path.parent}, which is not a folder"
-    else:
-        try:
+    try:
+        if path.exists() and not path.is_file():
+            given = "something else than a file"
+        elif not path.parent.is_dir():
+            given = f"a file in {path.parent}, which is not a folder"
+        else:
             with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}."):
                 pass
-        except OSError as error:
-            given = f"a file that cannot be written ({error.strerror})"
+    except OSError as error:
+        given = f"a file that cannot be written ({error.strerror})"
     if given is not None:
         raise FuzzyNavError(
             f"{path}: --rrd: given {given}; allowed is a file in a folder that can be written"
