@@ -7,12 +7,19 @@ so what a planner rolls out is what the wheels are told.
 """
 
 from dataclasses import dataclass
-from math import cos, hypot, sin, sqrt
+from math import copysign, cos, hypot, sin, sqrt
 
 import numpy as np
 
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.types import FloatArray, Pose2D, Twist2D, WheelSpeeds
+
+REACHED = 2e-3  # m: a next position missed by less than this counts as within reach
+_WITHIN_REACH = 5e-3  # m: first guesses that miss by less are made exact
+_EXACT = 1e-5  # m
+_TURN_PASSES = 3
+_NEWTON_STEPS = 3
+_PROBE = 1e-4  # m/s and rad/s: step of the numerical derivatives
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,36 +88,74 @@ def drive_towards(
         twist: speeds commanded at the end of the last period.
         spec: the robot's limits.
     """
-    period, steps = spec.decision_period, spec.substeps
     dx, dy = next_position[0] - pose.x, next_position[1] - pose.y
+    profile, miss = _ramps_towards((dx, dy), pose.yaw, twist, spec)
+    if miss <= REACHED:
+        return profile
     forward = dx * cos(pose.yaw) + dy * sin(pose.yaw)
     left = dy * cos(pose.yaw) - dx * sin(pose.yaw)
-    largest_forward = spec.max_speed * period
-    largest_left = spec.axle_offset * spec.max_yaw_rate * period
+    largest_forward = spec.max_speed * spec.decision_period
+    largest_left = spec.axle_offset * spec.max_yaw_rate * spec.decision_period
     scale = max(abs(forward) / largest_forward, abs(left) / largest_left, 1.0)
-    target = (dx / scale, dy / scale)
-    aim = target
-    profile = None
-    for _ in range(3):  # each pass removes most of what the turn during the period displaced
-        mean_yaw = pose.yaw if profile is None else pose.yaw + _mean_turn(profile, spec)
-        c, s = cos(mean_yaw), sin(mean_yaw)
-        mean_v = (aim[0] * c + aim[1] * s) / period
-        mean_omega = (aim[1] * c - aim[0] * s) / (period * spec.axle_offset)
-        v = final_speed(mean_v, twist.v, spec.max_acceleration * period)
-        omega = final_speed(mean_omega, twist.omega, spec.max_yaw_acceleration * period)
-        v = min(max(v, -spec.max_speed), spec.max_speed)
-        omega = min(max(omega, -spec.max_yaw_rate), spec.max_yaw_rate)
-        profile = SpeedProfile(
-            v=ramp(twist.v, v, spec.max_acceleration, period, steps),
-            omega=ramp(twist.omega, omega, spec.max_yaw_acceleration, period, steps),
+    return _ramps_towards((dx / scale, dy / scale), pose.yaw, twist, spec)[0]
+
+
+def _ramps_towards(
+    target: tuple[float, float], yaw: float, twist: Twist2D, spec: RobotSpec
+) -> tuple[SpeedProfile, float]:
+    """Ramps for a displacement of the centre (world frame, m), and by how much they miss it, m."""
+    period = spec.decision_period
+    reach_v = spec.max_acceleration * period
+    reach_omega = spec.max_yaw_acceleration * period
+
+    def within_limits(v: float, omega: float) -> tuple[float, float]:
+        v = min(max(v, twist.v - reach_v, -spec.max_speed), twist.v + reach_v, spec.max_speed)
+        lowest, highest = twist.omega - reach_omega, twist.omega + reach_omega
+        return v, min(max(omega, lowest, -spec.max_yaw_rate), highest, spec.max_yaw_rate)
+
+    def error(v: float, omega: float) -> tuple[float, float]:
+        moved = centre_displacement(yaw, _profile(twist, v, omega, spec), spec)
+        return moved[0] - target[0], moved[1] - target[1]
+
+    turned = 0.0
+    for _ in range(_TURN_PASSES):
+        c, s = cos(yaw + turned), sin(yaw + turned)
+        forward, left = target[0] * c + target[1] * s, target[1] * c - target[0] * s
+        v, omega = within_limits(
+            final_speed(forward / period, twist.v, reach_v),
+            final_speed(left / (period * spec.axle_offset), twist.omega, reach_omega),
         )
-        moved = centre_displacement(pose.yaw, profile, spec)
-        error = (target[0] - moved[0], target[1] - moved[1])
-        if hypot(*error) < 1e-5:
+        turned = _mean_turn(_profile(twist, v, omega, spec), spec)
+    ex, ey = error(v, omega)
+    best = (hypot(ex, ey), v, omega)
+    for _ in range(_NEWTON_STEPS):
+        # A miss that is not small is no matter of precision: the target is out of reach, and
+        # pursuing it would only turn the motion away from its direction.
+        if not _EXACT < hypot(ex, ey) < _WITHIN_REACH:
             break
-        aim = (aim[0] + error[0], aim[1] + error[1])
-    assert profile is not None
-    return profile
+        dv, dw = copysign(_PROBE, twist.v - v), copysign(_PROBE, twist.omega - omega)  # inwards
+        ahead, aside = error(v + dv, omega), error(v, omega + dw)
+        xv, yv = (ahead[0] - ex) / dv, (ahead[1] - ey) / dv
+        xw, yw = (aside[0] - ex) / dw, (aside[1] - ey) / dw
+        determinant = xv * yw - xw * yv
+        if determinant == 0.0:
+            break
+        v, omega = within_limits(
+            v - (yw * ex - xw * ey) / determinant, omega - (xv * ey - yv * ex) / determinant
+        )
+        ex, ey = error(v, omega)
+        best = min(best, (hypot(ex, ey), v, omega))
+    miss, v, omega = best
+    return _profile(twist, v, omega, spec), miss
+
+
+def _profile(twist: Twist2D, v: float, omega: float, spec: RobotSpec) -> SpeedProfile:
+    """The ramps from the present speeds to those at the period's end."""
+    period, steps = spec.decision_period, spec.substeps
+    return SpeedProfile(
+        v=ramp(twist.v, v, spec.max_acceleration, period, steps),
+        omega=ramp(twist.omega, omega, spec.max_yaw_acceleration, period, steps),
+    )
 
 
 def _mean_turn(profile: SpeedProfile, spec: RobotSpec) -> float:
