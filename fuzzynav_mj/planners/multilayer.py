@@ -31,6 +31,9 @@ from fuzzynav_mj.types import (
 )
 
 
+MOVER_SPACING = 0.10  # as `sight.SPACING`, for movers: their margins are wider
+
+
 @dataclass(frozen=True, slots=True)
 class DecisionSettings:
     """Margins (m) and weights of the decision.
@@ -57,15 +60,15 @@ class DecisionSettings:
     static_margin: float = 0.015
     static_margin_growth: float = 0.05
     moving_margin: float = 0.06
-    moving_margin_growth: float = 0.06
+    moving_margin_growth: float = 0.03
     contact_gap: float = 0.01
     static_recovery: float = 0.15
     comfortable_gap: float = 0.10
     static_weight: float = 1.5
     moving_gap: float = 0.10
-    moving_gap_growth: float = 0.20
+    moving_gap_growth: float = 0.10
     moving_gap_time: float = 1.0
-    moving_weight: float = 1.5
+    moving_weight: float = 1.0
     reverse_cost: float = 0.10
     change_cost: float = 0.02
     progress_steps: int = 8
@@ -330,7 +333,7 @@ def _surroundings(perception: Perception, pose: Pose2D, spec: RobotSpec) -> _Sur
     if movers:
         ranges = _seen_through(ranges, bearings, movers, here, scan.max_range)
     places = [
-        thin(mover.points - here).T[None] + way[:, :, None]
+        thin(mover.points - here, MOVER_SPACING).T[None] + way[:, :, None]
         for mover in movers
         for way in displacements(mover, here, times)
     ]

@@ -247,7 +247,7 @@ def _nearest_squared(grid: _Grid, points: FloatArray) -> FloatArray:
     return nearest
 
 
-def thin(points: FloatArray) -> FloatArray:
+def thin(points: FloatArray, spacing: float = SPACING) -> FloatArray:
     """Thins out hits (k, 2), robot-centred and in ray order: densely kept near the robot, where a
     missing corner would matter, and ever more sparsely farther away."""
     if len(points) < 3:
@@ -255,6 +255,6 @@ def thin(points: FloatArray) -> FloatArray:
     steps = np.diff(points, axis=0)
     distance = np.sqrt(points[1:, 0] ** 2 + points[1:, 1] ** 2)
     length = np.sqrt(steps[:, 0] ** 2 + steps[:, 1] ** 2)
-    bins = np.floor(np.cumsum(length / (SPACING * np.maximum(distance, 0.1))))
+    bins = np.floor(np.cumsum(length / (spacing * np.maximum(distance, 0.1))))
     keep = np.concatenate(([True], bins[1:] != bins[:-1], [True]))
     return points[keep]
