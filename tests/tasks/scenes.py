@@ -71,13 +71,11 @@ def random_polygon(rng: np.random.Generator, radius: float, convex: bool) -> Sha
 def ray_ranges(
     obstacle: shapely.Geometry, pose: Pose2D, bearings: FloatArray, reach: float
 ) -> FloatArray:
-    """(n,) exact distance of the first point of `obstacle` on each ray; `reach` if there is none."""
+    """(n,) exact distance of the first point of `obstacle` on each ray, or `reach`."""
     heading = bearings + pose.yaw
     ends = np.stack((pose.x + reach * np.cos(heading), pose.y + reach * np.sin(heading)), axis=1)
     begin = np.broadcast_to((pose.x, pose.y), ends.shape)
     lines = shapely.linestrings(np.stack((begin, ends), axis=1))
-    ranges = shapely.distance(
-        shapely.Point(pose.x, pose.y), shapely.intersection(lines, obstacle)
-    )
+    ranges = shapely.distance(shapely.Point(pose.x, pose.y), shapely.intersection(lines, obstacle))
     exact: FloatArray = np.where(np.isnan(ranges), reach, ranges)
     return exact

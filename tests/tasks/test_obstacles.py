@@ -84,7 +84,7 @@ def gap_with_sign(square: shapely.Polygon, obstacle: shapely.Polygon) -> float:
     """Distance, or minus a measure of the overlap's width where the two overlap."""
     if not square.intersects(obstacle):
         return float(square.distance(obstacle))
-    return -float(shapely.area(square.intersection(obstacle))) ** 0.5
+    return -(float(shapely.area(square.intersection(obstacle))) ** 0.5)
 
 
 def test_moving_shapes_touch_exactly_where_they_overlap(
@@ -137,7 +137,7 @@ def test_rays_measure_the_true_distance(environment: NavigationEnvironment) -> N
     for index, shape in enumerate(environment.task.world.static):
         slot = int(model.body_mocapid[model.body(f"moving_{index}").id])
         parked = data.mocap_pos[slot].copy()
-        moved = np.array(shape.footprint.centroid.coords[0]) + (0.4, 0.5)
+        moved = np.add(shape.footprint.centroid.coords[0], (0.4, 0.5))
         data.mocap_pos[slot, :2] = moved
         second = shapely.affinity.translate(area(shapes()[index]), *moved)
         obstacles = shapely.union(standing, second)
