@@ -7,7 +7,7 @@ boundary. Movers and the fuzzy gate may hold the robot up; they never touch this
 """
 
 from dataclasses import dataclass
-from math import atan2, hypot, pi
+from math import atan2, cos, hypot, pi, sin
 from typing import Literal
 
 import numpy as np
@@ -55,8 +55,9 @@ class Following:
         start: (x, y) where following began.
         edge: (x, y) a point of the boundary next to the way taken.
         nearest: smallest distance to the goal of any point seen of the boundary, m.
-        length: distance travelled since `start`, m.
+        length: distance travelled along the boundary since `start`, m; driving back counts back.
         farthest: largest distance from `start` so far, m.
+        direction: unit vector of the way taken last.
     """
 
     side: int
@@ -65,6 +66,7 @@ class Following:
     nearest: float
     length: float = 0.0
     farthest: float = 0.0
+    direction: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,9 +110,8 @@ class Guidance:
 
     def head(self, place: tuple[float, float], sight: Sight) -> Heading:
         """The subgoal at `place` (x, y) with what is in sight."""
-        step = (
-            0.0 if self._last is None else hypot(place[0] - self._last[0], place[1] - self._last[1])
-        )
+        last = self._last or place
+        step = (place[0] - last[0], place[1] - last[1])
         self._last = place
         goal = np.array([self._goal[0] - place[0], self._goal[1] - place[1]])
         distance = float(np.hypot(*goal))
@@ -131,7 +132,8 @@ class Guidance:
                 return self._heading(place, ways.first_point(best), "goal")
             following = self._begin(place, goal, distance, sight, best)
         else:
-            following.length += step
+            along = following.direction
+            following.length += step[0] * along[0] + step[1] * along[1]
             gaining = ways.open & (left_over < following.nearest - self._settings.gain)
             if gaining.any():
                 self._following = None
@@ -139,6 +141,8 @@ class Guidance:
                 return self._heading(place, ways.first_point(best), "goal")
             self._watch_loop(place, following)
         chosen = self._along(place, sight, ways, following)
+        bearing = float(sight.bearings[chosen])
+        following.direction = (cos(bearing), sin(bearing))
         return self._heading(place, ways.first_point(chosen), "boundary")
 
     def _heading(
