@@ -23,6 +23,9 @@ from fuzzynav_mj.planners.sight import (
 from fuzzynav_mj.types import FloatArray, IntArray
 
 
+SAME_WAY = 0.87  # cosine of the largest angle between bearings of what is still the same way
+
+
 @dataclass(frozen=True, slots=True)
 class GuidanceSettings:
     """Widths and gains of the guidance, m.
@@ -107,6 +110,7 @@ class Guidance:
         self._following: Following | None = None
         self._closed_loops = 0
         self._last: tuple[float, float] | None = None
+        self._bearing: float | None = None  # of the way taken last while seeking the goal
 
     def head(self, place: tuple[float, float], sight: Sight) -> Heading:
         """The subgoal at `place` (x, y) with what is in sight."""
@@ -119,6 +123,7 @@ class Guidance:
             self._watch_boundary(place, goal, sight, self._following)
         if self._goal_in_reach(goal, distance, sight):
             self._following = None
+            self._bearing = atan2(goal[1], goal[0])
             return self._heading(place, goal, "goal", direct=True)
         ways = self._ways(place, goal, sight)
         if not ways.open.any():
@@ -128,9 +133,11 @@ class Guidance:
         following = self._following
         if following is None:
             best = int(cost.argmin())
-            if left_over[best] < distance:
+            bearing = float(sight.bearings[best])
+            if left_over[best] < distance and not self._turned_back(bearing):
+                self._bearing = bearing
                 return self._heading(place, ways.first_point(best), "goal")
-            following = self._begin(place, goal, distance, sight, best)
+            following = self._begin(place, goal, distance, sight, self._kept(sight, ways, best))
         else:
             along = following.direction
             following.length += step[0] * along[0] + step[1] * along[1]
@@ -144,6 +151,21 @@ class Guidance:
         bearing = float(sight.bearings[chosen])
         following.direction = (cos(bearing), sin(bearing))
         return self._heading(place, ways.first_point(chosen), "boundary")
+
+    def _turned_back(self, bearing: float) -> bool:
+        """True if the way to the goal now leads more than a right angle off the one just taken:
+        that one has turned out to be closed, and switching to and fro would never end."""
+        if self._bearing is None:
+            return False
+        return cos(bearing - self._bearing) < 0.0
+
+    def _kept(self, sight: Sight, ways: Ways, best: int) -> int:
+        """The open way nearest to the one just taken, if it still leads on; else the best one."""
+        if self._bearing is None:
+            return best
+        alike = np.where(ways.open, np.cos(sight.bearings - self._bearing), -1.0)
+        nearest = int(alike.argmax())
+        return nearest if alike[nearest] > SAME_WAY else best
 
     def _heading(
         self,
@@ -216,6 +238,7 @@ class Guidance:
             place[1] + ahead * float(np.sin(bearing)),
         )
         self._following = Following(1 if turn >= 0 else -1, place, edge, distance)
+        self._bearing = None
         self._watch_boundary(place, goal, sight, self._following)
         return self._following
 
