@@ -171,8 +171,8 @@ def test_counts_of_a_standing_obstacle_hardly_change_as_the_robot_moves(
     found = looks(scene("[[static]]\ncircle = [0.55, 0.35, 0.12]", yaw=-0.3), step, 9)
     for visibility in found:
         now, before = int(visibility.counts.sum()), int(visibility.previous_counts.sum())
-        assert now >= 15
-        assert abs(now - before) <= 0.2 * now + 2
+        assert now > 5
+        assert abs(now - before) <= 3
 
 
 def test_mover_among_what_stands_shows_in_its_quarter_only() -> None:
