@@ -127,9 +127,7 @@ class Perceiver:
         # Moving ones take the tracks first, and of those the ones with the most hits.
         for index in np.lexsort((begin - ends, -flags)):
             span = spans[index]
-            tracks[index] = self._track(
-                hits, span, flows, bool(flags[index] == MOVING), now
-            )
+            tracks[index] = self._track(hits, span, flows, bool(flags[index] == MOVING), now)
         return tuple(
             _perceived(hits.points[span], track, now.pose)
             for span, track in zip(spans, tracks, strict=True)
@@ -218,19 +216,23 @@ def _perceived(points: FloatArray, track: Track | None, pose: Pose2D) -> Perceiv
     nearest = int(squared.argmin())
     x, y = offset[nearest].tolist()
     distance = hypot(x, y)
-    place = dict(
-        points=points,
-        nearest_point=points[nearest],
-        distance=distance,
-        bearing=(atan2(y, x) - pose.yaw + pi) % (2 * pi) - pi,
-    )
+    bearing = (atan2(y, x) - pose.yaw + pi) % (2 * pi) - pi
     if track is None:
         return PerceivedObstacle(
-            **place, dynamic=False, approaching=False, velocity=np.zeros(2)
+            points=points,
+            nearest_point=points[nearest],
+            distance=distance,
+            bearing=bearing,
+            dynamic=False,
+            approaching=False,
+            velocity=np.zeros(2),
         )
     velocity = track.velocity
     return PerceivedObstacle(
-        **place,
+        points=points,
+        nearest_point=points[nearest],
+        distance=distance,
+        bearing=bearing,
         dynamic=True,
         approaching=float(velocity[0] * x + velocity[1] * y) < 0.0,
         velocity=velocity,

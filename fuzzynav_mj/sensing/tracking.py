@@ -77,9 +77,7 @@ class Track:
         transition = np.diag([1.0, 1.0, fade, fade])
         transition[0, 2] = transition[1, 3] = elapsed
         self.state = transition @ self.state
-        noise = np.array(
-            [SPEED_NOISE**2] * 2 + [ACCELERATION_SIGMA**2 * (1.0 - fade * fade)] * 2
-        )
+        noise = np.array([SPEED_NOISE**2] * 2 + [ACCELERATION_SIGMA**2 * (1.0 - fade * fade)] * 2)
         self.covariance = transition @ self.covariance @ transition.T + np.diag(noise)
         self.missed += 1
 
@@ -92,8 +90,9 @@ class Track:
             rates: (m,) measured speeds over the same sigma, m/s.
         """
         prior = np.linalg.inv(self.covariance)
-        self.covariance = np.linalg.inv(prior + rows.T @ rows)
-        self.state = self.covariance @ (prior @ self.state + rows.T @ rates)
+        covariance: FloatArray = np.linalg.inv(prior + rows.T @ rows)
+        self.covariance = covariance
+        self.state = covariance @ (prior @ self.state + rows.T @ rates)
         self.centre = centre
         self.missed = 0
 
