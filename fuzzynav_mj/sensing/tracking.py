@@ -90,9 +90,8 @@ class Track:
             rates: (m,) measured speeds over the same sigma, m/s.
         """
         prior = np.linalg.inv(self.covariance)
-        covariance: FloatArray = np.linalg.inv(prior + rows.T @ rows)
-        self.covariance = covariance
-        self.state = covariance @ (prior @ self.state + rows.T @ rates)
+        self.covariance = np.asarray(np.linalg.inv(prior + rows.T @ rows), dtype=np.float64)
+        self.state = self.covariance @ (prior @ self.state + rows.T @ rates)
         self.centre = centre
         self.missed = 0
 
