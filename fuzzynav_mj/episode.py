@@ -58,9 +58,17 @@ class BlockTruth:
 class Simulation(Protocol):
     """One episode's physics."""
 
-    world: World
-    spec: RobotSpec
-    seed: int
+    @property
+    def world(self) -> World:
+        """The obstacles of this episode."""
+
+    @property
+    def spec(self) -> RobotSpec:
+        """The robot's parameters."""
+
+    @property
+    def seed(self) -> int:
+        """The episode's seed."""
 
     @property
     def pose(self) -> Pose2D:
@@ -166,7 +174,7 @@ def run_episode(
     first_movers = moments[0].movers if moments else simulation.mover_positions
     movers = np.concatenate([first_movers[None]] + [block.movers for block in blocks])
     touched = simulation.contact
-    gap = min_clearance(poses, movers, world, spec.half_side, spec.substeps)
+    gap = min_clearance(poses, movers, world, spec.half_side)
     travelled = path_length(poses[:, :2])
     decisions = [moment.decision for moment in moments]
     risk = summarise_risk(decisions)

@@ -9,7 +9,7 @@ class FuzzyNavError(Exception):
 
 
 class ScenarioError(FuzzyNavError):
-    """A scenario file that cannot be used: names the file, the key, the value and what is allowed."""
+    """An unusable scenario file: names the file, the key, the value and what is allowed."""
 
 
 class UnknownNameError(FuzzyNavError):

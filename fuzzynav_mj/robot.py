@@ -17,7 +17,8 @@ class RobotSpec:
     max_speed: float = 0.5  # forwards and backwards
     max_acceleration: float = 2.0
     max_yaw_rate: float = 3.0
-    max_yaw_acceleration: float = 10.0  # with 2 m/s2 this keeps the wheels below the servos' 2.95 m/s2
+    # With 2 m/s2 forwards this keeps the wheels below the servos' limit of 2.95 m/s2.
+    max_yaw_acceleration: float = 10.0
     decision_period: float = 0.1
     physics_period: float = 0.005
     wheel_radius: float = 0.0375

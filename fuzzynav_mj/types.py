@@ -7,7 +7,7 @@ after the record is made.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from enum import Enum
+from enum import StrEnum
 from typing import Literal
 
 import numpy as np
@@ -128,7 +128,7 @@ class FuzzyInputs:
     RD: float
 
 
-class Behaviour(str, Enum):
+class Behaviour(StrEnum):
     """What the robot is doing; the names of the paper's section 3, and what it leaves open."""
 
     GOAL_SEEKING = "goal_seeking"
@@ -187,7 +187,7 @@ class Decision:
     note: str = ""
 
 
-class Outcome(str, Enum):
+class Outcome(StrEnum):
     """How an episode ended."""
 
     GOAL_REACHED = "goal_reached"

@@ -22,7 +22,6 @@ from fuzzynav_mj.planners.sight import (
 )
 from fuzzynav_mj.types import FloatArray, IntArray
 
-
 SAME_WAY = 0.87  # cosine of the largest angle between bearings of what is still the same way
 
 
@@ -288,9 +287,7 @@ class Guidance:
         roomy = np.flatnonzero(ways.comfortable[opening[:end]])
         return int(opening[roomy[0]]) if len(roomy) else first
 
-    def _outwards(
-        self, place: tuple[float, float], sight: Sight, following: Following
-    ) -> IntArray:
+    def _outwards(self, place: tuple[float, float], sight: Sight, following: Following) -> IntArray:
         """All rays in turn, from the one at the boundary's edge away from the boundary."""
         edge = following.edge
         start = _ray(atan2(edge[1] - place[1], edge[0] - place[0]), sight)

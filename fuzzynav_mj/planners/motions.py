@@ -11,7 +11,7 @@ from math import pi
 import numpy as np
 
 from fuzzynav_mj.robot import RobotSpec
-from fuzzynav_mj.types import FloatArray, IntArray, Twist2D
+from fuzzynav_mj.types import BoolArray, FloatArray, IntArray, Twist2D
 
 HORIZON = 16  # steps of one decision period each
 TURN_STEP = pi / 90  # directions are held in steps of two degrees
@@ -39,37 +39,46 @@ class Motions:
         speed: (m,) speed aimed at, m/s, negative in reverse.
         direction: (m,) direction of travel aimed at, rad.
         brake_steps: (m,) periods it takes to stop from that speed, rounded up.
+        on_the_spot: (m,) True for the one that turns without driving. The last one stops.
     """
 
     poses: np.ndarray
     speed: FloatArray
     direction: FloatArray
     brake_steps: IntArray
+    on_the_spot: BoolArray
 
 
 def candidate_motions(wanted: float, twist: Twist2D, spec: RobotSpec) -> Motions:
-    """Candidates around a wanted direction of travel (rad, robot frame), and the one that stops."""
+    """Candidates around a wanted direction of travel (rad, robot frame), a turn on the spot to it,
+    and the one that stops."""
     ahead = (round(wanted / TURN_STEP) + FORWARD_OFFSETS) % TURNS
     back = REVERSE_OFFSETS % TURNS
     rows = np.concatenate(
-        (np.tile(ahead, len(FORWARD_SPEEDS)), np.tile(back, len(REVERSE_SPEEDS)), [NO_TURN])
+        (
+            np.tile(ahead, len(FORWARD_SPEEDS)),
+            np.tile(back, len(REVERSE_SPEEDS)),
+            [ahead[0], NO_TURN],
+        )
     )
     direction = np.concatenate(
         (
             np.tile(ahead * TURN_STEP, len(FORWARD_SPEEDS)),
             np.tile(back * TURN_STEP + pi, len(REVERSE_SPEEDS)),
-            [0.0],
+            [ahead[0] * TURN_STEP, 0.0],
         )
     )
     speed, brake_steps = _aims(spec)
-    return Motions(_roll(rows, speed, twist, spec), speed, direction, brake_steps)
+    on_the_spot = np.arange(len(rows)) == len(rows) - 2
+    poses = _roll(rows, speed, twist, spec)
+    return Motions(poses, speed, direction, brake_steps, on_the_spot)
 
 
 @lru_cache(maxsize=8)
 def _aims(spec: RobotSpec) -> tuple[FloatArray, IntArray]:
     forward = np.repeat(np.array(FORWARD_SPEEDS), len(FORWARD_OFFSETS))
     reverse = np.repeat(-np.array(REVERSE_SPEEDS), len(REVERSE_OFFSETS))
-    speed = np.concatenate((forward, reverse, [0.0])) * spec.max_speed
+    speed = np.concatenate((forward, reverse, [0.0, 0.0])) * spec.max_speed
     time = np.abs(speed) / spec.max_acceleration
     return speed, np.ceil(time / spec.decision_period - 1e-9).astype(np.intp)
 
@@ -121,8 +130,14 @@ def _headings(spec: RobotSpec) -> _Headings:
         # Drive while roughly on course; turn on the spot otherwise.
         drive.append(np.maximum(np.cos(np.clip(error, -pi / 2, pi / 2)), 0.0) ** 2)
         after.append(yaw)
-    stacked = [np.stack(x, axis=2) for x in (middle[::2], mean, drive, after)]
-    return _Headings(span, *stacked[:3], stacked[3][:, :, whole], whole)
+    return _Headings(
+        span=span,
+        yaw=np.stack(middle[::2], axis=2),
+        rate=np.stack(mean, axis=2),
+        drive=np.stack(drive, axis=2),
+        after=np.stack(after, axis=2)[:, :, whole],
+        whole=whole,
+    )
 
 
 def _roll(rows: IntArray, aim: FloatArray, twist: Twist2D, spec: RobotSpec) -> np.ndarray:

@@ -1,0 +1,112 @@
+"""What becomes of each candidate: rolled on against what stands and what moves.
+
+The speed cap lies here, below the fuzzy gate: a candidate is admissible only if the robot can stop
+short of everything that stands and of everything that this look has not seen.
+"""
+
+from dataclasses import dataclass
+from math import cos, pi, sin
+
+import numpy as np
+
+from fuzzynav_mj.planners.clearance import moving_clearance, static_clearance
+from fuzzynav_mj.planners.motions import HORIZON, Motions
+from fuzzynav_mj.planners.settings import DecisionSettings
+from fuzzynav_mj.planners.sight import Sight
+from fuzzynav_mj.planners.surroundings import Surroundings, period_ends
+from fuzzynav_mj.robot import RobotSpec
+from fuzzynav_mj.types import BoolArray, FloatArray, IntArray, Pose2D
+
+SOON = 4  # decision periods that count where no candidate keeps clear of what stands
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outlook:
+    """Prospects of m candidates.
+
+    Attributes:
+        poses: (m, HORIZON, 3) float32, robot frame: driving on until just before what stands or
+            is unseen, and stopped there from then on.
+        static: (m,) smallest gap to what stands, m.
+        moving: (m,) smallest gap to what moves, m.
+        crowding: (m,) at the worst moment, how much is missing of the berth that movers are given.
+        static_ok: (m,) True if the robot can stop in time.
+        contact_step: (m,) period of the first predicted contact with a mover; HORIZON for none.
+        soon: (m,) smallest gap to what stands in the next few periods, without stopping.
+        admissible: (m,) True if the whole roll-out, stop included, keeps its margins.
+    """
+
+    poses: np.ndarray
+    static: FloatArray
+    moving: FloatArray
+    crowding: FloatArray
+    static_ok: BoolArray
+    contact_step: IntArray
+    soon: FloatArray
+    admissible: BoolArray
+
+
+def look_ahead(
+    motions: Motions,
+    around: Surroundings,
+    pose: Pose2D,
+    spec: RobotSpec,
+    settings: DecisionSettings,
+) -> Outlook:
+    """Rolls the candidates on."""
+    c, s = cos(pose.yaw), sin(pose.yaw)
+    to_robot = np.array([[c, s], [-s, c]])
+    times = period_ends(spec)
+    static, blocked = _static(motions, around.sight.points @ to_robot.T, times, spec, settings)
+    blocked |= _unseen(motions.poses, around.sight, pose)
+    first = np.where(blocked.any(axis=1), blocked.argmax(axis=1), HORIZON)
+    last = first - 1 - motions.brake_steps
+    stops = np.where(first == HORIZON, HORIZON - 1, np.maximum(last, 0))
+    steps = np.minimum(np.arange(HORIZON), stops[:, None])
+    rows = np.arange(len(stops))[:, None]
+    poses = motions.poses[rows, steps]
+    static_ok = (last >= 0) | (first == HORIZON)
+    moving = moving_clearance(poses, to_robot @ around.moving, spec.half_side)
+    berth = settings.moving_gap + settings.moving_gap_growth * np.minimum(
+        times, settings.moving_gap_time
+    )
+    wanted = settings.moving_margin + settings.moving_margin_growth * times
+    contact = moving < settings.contact_gap
+    return Outlook(
+        poses=poses,
+        static=static[rows, steps].min(axis=1),
+        moving=moving.min(axis=1),
+        crowding=np.maximum(berth - moving, 0.0).max(axis=1),
+        static_ok=static_ok,
+        contact_step=np.where(contact.any(axis=1), contact.argmax(axis=1), HORIZON),
+        soon=static[:, :SOON].min(axis=1),
+        admissible=static_ok & (moving >= wanted).all(axis=1),
+    )
+
+
+def _static(
+    motions: Motions,
+    standing: FloatArray,
+    times: FloatArray,
+    spec: RobotSpec,
+    settings: DecisionSettings,
+) -> tuple[FloatArray, BoolArray]:
+    """(m, HORIZON) gaps to what stands, and where they are less than the margin."""
+    here = np.zeros((1, 1, 3), dtype=np.float32)
+    gap_now = float(static_clearance(here, standing, spec.half_side)[0, 0])
+    speed = np.abs(motions.speed)[:, None]
+    margin = settings.static_margin + settings.static_margin_growth * speed
+    # Closer than that already: any speed will do that makes room at once.
+    regained = gap_now - 0.002 + settings.static_recovery * speed * times
+    gaps = static_clearance(motions.poses, standing, spec.half_side)
+    return gaps, gaps < np.minimum(margin, regained)
+
+
+def _unseen(poses: np.ndarray, sight: Sight, pose: Pose2D) -> BoolArray:
+    """(m, HORIZON) True where the footprint's centre would leave what this look has seen."""
+    x, y = poses[..., 0], poses[..., 1]
+    count = len(sight.bearings)
+    bearing = np.arctan2(y, x) + (pose.yaw - float(sight.bearings[0]))
+    rays = np.rint(bearing * (count / (2 * pi))).astype(np.intp) % count
+    beyond: BoolArray = x * x + y * y > sight.ranges[rays] ** 2
+    return beyond

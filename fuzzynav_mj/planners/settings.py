@@ -1,0 +1,46 @@
+"""Margins and weights of the multilayer decision."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class DecisionSettings:
+    """One set for all worlds. Lengths in m, times in s, weights in m of progress.
+
+    Attributes:
+        static_margin: smallest gap kept to what stands, when creeping ...
+        static_margin_growth: ... and per m/s of speed.
+        static_recovery: gap to regain per metre travelled where there is less than the margin.
+        comfortable_gap: gap to standing obstacles below which a candidate costs more.
+        static_weight: cost per metre missing of it.
+        moving_margin: smallest gap kept to what moves, now ...
+        moving_margin_growth: ... and per second of prediction.
+        contact_gap: a smaller predicted gap counts as contact.
+        moving_gap: gap to movers below which a candidate costs more, now ...
+        moving_gap_growth: ... and per second of prediction, which grows ever less certain ...
+        moving_gap_time: ... up to this time.
+        moving_weight: cost per metre missing of it, at the worst moment.
+        reverse_cost: what driving backwards costs.
+        change_cost: cost per radian of a new direction of travel.
+        progress_steps: decision periods after which the progress counts.
+        stuck_time: time without leaving a circle of `stuck_radius` after which the robot gives up.
+        stuck_radius: its radius.
+    """
+
+    static_margin: float = 0.015
+    static_margin_growth: float = 0.05
+    static_recovery: float = 0.15
+    comfortable_gap: float = 0.10
+    static_weight: float = 1.5
+    moving_margin: float = 0.06
+    moving_margin_growth: float = 0.03
+    contact_gap: float = 0.01
+    moving_gap: float = 0.10
+    moving_gap_growth: float = 0.10
+    moving_gap_time: float = 1.0
+    moving_weight: float = 1.0
+    reverse_cost: float = 0.10
+    change_cost: float = 0.02
+    progress_steps: int = 8
+    stuck_time: float = 45.0
+    stuck_radius: float = 0.3
