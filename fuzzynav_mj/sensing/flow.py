@@ -49,49 +49,48 @@ def point_flow(
         margin: how far inside free space a hit must lie to count as intruding, m.
         max_range: the sensor's range, m.
     """
-    points = now.points[rays]
     count = len(before.ranges)
     elapsed = now.stamp - before.stamp
-    offset = points - np.array([before.pose.x, before.pose.y])
+    x, y = now.points.T.take(rays, axis=1)
+    dx, dy = x - before.pose.x, y - before.pose.y
     c, s = cos(before.pose.yaw), sin(before.pose.yaw)
-    x = c * offset[:, 0] + s * offset[:, 1]
-    y = c * offset[:, 1] - s * offset[:, 0]
-    distance = np.hypot(x, y)
-    ray = ((np.arctan2(y, x) + pi) * (count / (2 * pi))).astype(int) % count
-    following = (ray + 1) % count
-    normals = before.normals[ray]
-    moved = ((points - before.points[ray]) * normals).sum(axis=1)
+    forward, left = c * dx + s * dy, c * dy - s * dx
+    distance = np.hypot(forward, left)
+    ray = ((np.arctan2(left, forward) + pi) * (count / (2 * pi))).astype(np.intp) % count
+    normals = before.normals.T.take(ray, axis=1)
+    surface = before.points.T.take(ray, axis=1)
+    moved = (x - surface[0]) * normals[0] + (y - surface[1]) * normals[1]
     reach = top_speed * elapsed + margin
-    known = before.joined[ray] & (np.abs(moved) <= reach) & (distance < max_range)
+    known = before.joined.take(ray) & (np.abs(moved) <= reach) & (distance < max_range)
     # Beside a corner that moved, the hit may lie on another face than the one seen there before.
     known &= _faces_along(normals, rays, now)
     # Behind the earlier surface: either that one moved away, or it is still there and merely hid
     # this hit before. It has moved if the place where it was is seen to be free now.
-    behind = known & (moved < 0.0)
-    if behind.any():
-        freed = _depth_behind(before.points[ray[behind]], now) > -0.5 * moved[behind]
-        known[behind] = freed
+    behind = (known & (moved < 0.0)).nonzero()[0]
+    if len(behind):
+        known[behind] = _depth_behind(surface.take(behind, axis=1), now) > -0.5 * moved[behind]
     # Between two rays only what is nearer than both was certainly seen to be free.
-    free = np.minimum(before.ranges[ray], before.ranges[following])
+    free = np.minimum(before.ranges.take(ray), before.ranges.take(ray + 1, mode="wrap"))
     intruding = distance < free - margin
-    return PointFlow(known, moved, normals, intruding, elapsed)
+    return PointFlow(known, moved, normals.T, intruding, elapsed)
 
 
 def _faces_along(normals: FloatArray, rays: IntArray, look: Look) -> BoolArray:
-    """(m,) True where the surface on either side of the hit has the given normal (m, 2)."""
+    """(m,) True where the surface on either side of the hit has the given normal (2, m)."""
     agrees = np.zeros(len(rays), dtype=bool)
     for neighbour in (rays, rays - 1):
-        along = (look.normals[neighbour] * normals).sum(axis=1) > SAME_FACE
-        agrees |= along & look.joined[neighbour]
+        x, y = look.normals.T.take(neighbour, axis=1)
+        along = x * normals[0] + y * normals[1] > SAME_FACE
+        agrees |= along & look.joined.take(neighbour)
     return agrees
 
 
 def _depth_behind(points: FloatArray, look: Look) -> FloatArray:
-    """(m,) how much farther than each point the look's rays reach beside it, m."""
+    """(m,) how much farther than each point (2, m) the look's rays reach beside it, m."""
     count = len(look.ranges)
-    offset = points - np.array([look.pose.x, look.pose.y])
-    bearing = np.arctan2(offset[:, 1], offset[:, 0]) - look.pose.yaw + pi
-    ray = (bearing * (count / (2 * pi))).astype(int) % count
-    reach = np.minimum(look.ranges[ray], look.ranges[(ray + 1) % count])
-    depth: FloatArray = reach - np.hypot(offset[:, 0], offset[:, 1])
+    dx, dy = points[0] - look.pose.x, points[1] - look.pose.y
+    bearing = np.arctan2(dy, dx) - look.pose.yaw + pi
+    ray = (bearing * (count / (2 * pi))).astype(np.intp)
+    reach = np.minimum(look.ranges.take(ray, mode="wrap"), look.ranges.take(ray + 1, mode="wrap"))
+    depth: FloatArray = reach - np.hypot(dx, dy)
     return depth

@@ -1,16 +1,19 @@
 """One look: a scan with the pose it was taken from, its hits as points in the world frame."""
 
 from dataclasses import dataclass
-from math import cos, sin
+from functools import lru_cache
+from math import cos, pi, sin
 
 import numpy as np
 
-from fuzzynav_mj.types import BoolArray, FloatArray, LaserScan, Pose2D
+from fuzzynav_mj.types import BoolArray, FloatArray, IntArray, LaserScan, Pose2D
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Look:
     """A scan in the world frame.
+
+    Points and normals are stored column by column, so that their transposes give fast x and y.
 
     Attributes:
         stamp: simulated time, s.
@@ -31,44 +34,53 @@ class Look:
     normals: FloatArray
 
 
+@lru_cache(maxsize=512)
+def neighbours(count: int) -> tuple[IntArray, IntArray]:
+    """(count,) index before, and index after, each of `count` elements in a ring."""
+    order = np.arange(count)
+    return np.roll(order, 1), np.roll(order, -1)
+
+
 def take_look(scan: LaserScan, pose: Pose2D) -> Look:
     """The look of one scan."""
+    count = len(scan.ranges)
+    _, after = neighbours(count)
     c, s = cos(pose.yaw), sin(pose.yaw)
     x, y = np.cos(scan.bearings), np.sin(scan.bearings)
-    rays = np.stack((c * x - s * y, s * x + c * y), axis=1)
-    points = rays * scan.ranges[:, None]
-    edges = np.roll(points, -1, axis=0) - points
-    length = np.sqrt(edges[:, 0] ** 2 + edges[:, 1] ** 2)
-    both = scan.hit & np.roll(scan.hit, -1)
-    spacing = scan.ranges * (2 * np.pi / len(scan.ranges))
-    joined = both & ((length < 2.5 * spacing + 0.01) | _continues(edges, length, both))
-    normals = np.stack((edges[:, 1], -edges[:, 0]), axis=1) / np.maximum(length, 1e-9)[:, None]
-    inward = (normals * points).sum(axis=1) > 0.0  # must point against the ray
-    normals[inward] *= -1.0
+    points = np.array([c * x - s * y, s * x + c * y]) * scan.ranges
+    edges = points.take(after, axis=1) - points
+    length = np.sqrt(edges[0] ** 2 + edges[1] ** 2)
+    unit = edges / np.maximum(length, 1e-9)
+    both = scan.hit & scan.hit.take(after)
+    spacing = scan.ranges * (2 * pi / count)
+    joined = both & ((length < 2.5 * spacing + 0.01) | _continues(unit, length, both))
     return Look(
         stamp=scan.stamp,
         pose=pose,
         ranges=scan.ranges,
         hit=scan.hit,
-        points=points + np.array([pose.x, pose.y]),
+        points=(points + np.array([[pose.x], [pose.y]])).T,
         joined=joined,
-        normals=normals,
+        # Bearings increase, so the sensor lies to the left of every edge.
+        normals=np.array([-unit[1], unit[0]]).T,
     )
 
 
-def _continues(edges: FloatArray, length: FloatArray, both: BoolArray) -> BoolArray:
+def _continues(unit: FloatArray, length: FloatArray, both: BoolArray) -> BoolArray:
     """True where a long edge lies in line with a neighbouring one: a wall seen at a grazing angle.
 
     The hits on such a wall spread far apart, but they stay on one line, and their distances grow
     slowly; the edge between two separate obstacles does neither.
+
+    Args:
+        unit: (2, n) directions of the edges.
+        length: (n,) m.
+        both: (n,) True where both ends of the edge are hits.
     """
-    unit = edges / np.maximum(length, 1e-9)[:, None]
-
-    def in_line(shift: int) -> BoolArray:
-        other = np.roll(unit, shift, axis=0)
-        ratio = length / np.maximum(np.roll(length, shift), 1e-9)
-        along = (unit * other).sum(axis=1) > 0.995
-        straight: BoolArray = along & np.roll(both, shift) & (ratio < 2.0) & (ratio > 0.5)
-        return straight
-
-    return in_line(1) | in_line(-1)
+    before, after = neighbours(len(length))
+    other, earlier = unit.take(before, axis=1), length.take(before)
+    along = unit[0] * other[0] + unit[1] * other[1] > 0.995
+    alike = (length < 2.0 * earlier) & (earlier < 2.0 * length)
+    in_line = along & alike & both & both.take(before)  # with the edge before
+    continued: BoolArray = in_line | in_line.take(after)
+    return continued

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fuzzynav_mj.sensing.looks import Look
+from fuzzynav_mj.sensing.looks import Look, neighbours
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
 GAP = 0.10  # m: hits farther apart belong to separate obstacles; the robot is twice as wide
@@ -17,7 +17,7 @@ class Hits:
     """The hits of one look in ray order, beginning at the start of an obstacle.
 
     Attributes:
-        points: (m, 2) world frame.
+        points: (m, 2) world frame, stored column by column.
         rays: (m,) the rays that hit.
         first: (m,) True at the first hit of each group of hits without a gap between them.
     """
@@ -29,20 +29,22 @@ class Hits:
 
 def gather_hits(look: Look) -> Hits:
     """The look's hits, split at gaps."""
-    rays = np.flatnonzero(look.hit)
+    rays = look.hit.nonzero()[0]
     if len(rays) == 0:
         return Hits(np.empty((0, 2)), rays, np.empty(0, dtype=bool))
-    points = look.points[rays]
-    steps = np.roll(points, -1, axis=0) - points
-    near = steps[:, 0] ** 2 + steps[:, 1] ** 2 < GAP**2
-    adjacent = np.roll(rays, -1) - rays
+    before, after = neighbours(len(rays))
+    points = look.points.T.take(rays, axis=1)
+    steps = points.take(after, axis=1) - points
+    near = steps[0] ** 2 + steps[1] ** 2 < GAP**2
+    adjacent = rays.take(after) - rays
     adjacent[-1] += len(look.hit)
-    linked = near | (look.joined[rays] & (adjacent == 1))
-    breaks = np.flatnonzero(~linked)
+    parted = ~(near | (look.joined.take(rays) & (adjacent == 1)))
+    breaks = parted.nonzero()[0]
     shift = 0 if len(breaks) == 0 else int(breaks[-1]) + 1
-    first = np.roll(np.roll(~linked, 1), -shift)
+    order = (np.arange(len(rays)) + shift) % len(rays)
+    first = parted.take(before.take(order))
     first[0] = True
-    return Hits(np.roll(points, -shift, axis=0), np.roll(rays, -shift), first)
+    return Hits(points.take(order, axis=1).T, rays.take(order), first)
 
 
 def split_by_motion(hits: Hits, flags: IntArray, mover_extent: float) -> tuple[IntArray, IntArray]:
@@ -65,38 +67,44 @@ def split_by_motion(hits: Hits, flags: IntArray, mover_extent: float) -> tuple[I
         return np.empty(0, dtype=np.intp), flags
     flags = _whole_movers(hits, _drop_lone(first, flags), mover_extent)
     flags = _fill_unknown(first, flags)
-    starts = first | (flags != np.roll(flags, 1))
-    begin = np.flatnonzero(starts)
-    return begin, flags[begin]
+    before, _ = neighbours(len(first))
+    begin = (first | (flags != flags.take(before))).nonzero()[0]
+    return begin, flags.take(begin)
 
 
 def _whole_movers(hits: Hits, flags: IntArray, mover_extent: float) -> IntArray:
-    begin = np.flatnonzero(hits.first)
-    group = np.cumsum(hits.first) - 1
+    moves = flags == MOVING
+    if not moves.any():
+        return flags
+    begin = hits.first.nonzero()[0]
+    group = hits.first.cumsum() - 1
     size = np.bincount(group)
-    moving = np.bincount(group, weights=flags == MOVING)
-    low = np.minimum.reduceat(hits.points, begin, axis=0)
-    extent = (np.maximum.reduceat(hits.points, begin, axis=0) - low).max(axis=1)
+    moving = np.bincount(group, weights=moves)
+    low = np.minimum.reduceat(hits.points.T, begin, axis=1)
+    high = np.maximum.reduceat(hits.points.T, begin, axis=1)
+    extent = (high - low).max(axis=0)
     whole = (moving >= np.maximum(MOVING_SHARE * size, 2.0)) & (extent <= mover_extent)
-    return np.where(whole[group], MOVING, flags)
+    return np.where(whole.take(group), MOVING, flags)
 
 
 def _drop_lone(first: BoolArray, flags: IntArray) -> IntArray:
     """Overrules a single hit between two of the opposite kind in the same group."""
-    before, after = np.roll(flags, 1), np.roll(flags, -1)
-    inside = ~first & ~np.roll(first, -1)
-    lone = inside & (before == after) & (before == -flags) & (flags != UNKNOWN)
-    return np.where(lone, before, flags)
+    before, after = neighbours(len(flags))
+    previous, following = flags.take(before), flags.take(after)
+    between = ~(first | first.take(after)) & (previous == following)
+    lone = between & (previous == -flags) & (flags != UNKNOWN)
+    return np.where(lone, previous, flags)
 
 
 def _fill_unknown(first: BoolArray, flags: IntArray) -> IntArray:
     """Gives unknown hits the flag of their neighbours in the same group; none: STATIC."""
+    _, after = neighbours(len(flags))
     filled = _fill_forward(first, flags)
-    last = np.roll(first, -1)
+    last = first.take(after)
     filled = _fill_forward(last[::-1], filled[::-1])[::-1]
     return np.where(filled == UNKNOWN, STATIC, filled)
 
 
 def _fill_forward(first: BoolArray, flags: IntArray) -> IntArray:
     source = np.where((flags != UNKNOWN) | first, np.arange(len(flags)), 0)
-    return flags[np.maximum.accumulate(source)]
+    return flags.take(np.maximum.accumulate(source))
