@@ -305,7 +305,8 @@ def _connected(points: FloatArray, near: FloatArray, gap: float) -> FloatArray:
     group = np.roll(np.cumsum(np.roll(np.roll(wide, 1), -first)), first)
     offset = points - near
     own = group[int((offset[:, 0] ** 2 + offset[:, 1] ** 2).argmin())]
-    return points[group == own]
+    part: FloatArray = points[group == own]
+    return part
 
 
 def _ray(bearing: float, sight: Sight) -> int:

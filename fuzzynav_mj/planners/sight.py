@@ -105,7 +105,8 @@ def free_distance(points: FloatArray, bearings: FloatArray, width: float) -> Flo
     inside = width**2 - across**2
     distance = along - np.sqrt(np.maximum(inside, 0.0))
     blocked = (inside > 0.0) & (along > 0.0)
-    return np.where(blocked, np.maximum(distance, 0.0), np.inf).min(axis=1)
+    free: FloatArray = np.where(blocked, np.maximum(distance, 0.0), np.inf).min(axis=1)
+    return free
 
 
 def direct_ways(sight: Sight, width: float) -> Ways:
@@ -227,8 +228,8 @@ def _grid(radius: float) -> _Grid:
         heads.append(head[tail])
         costs.append(np.full(len(tail), CELL * float(np.hypot(di, dj))))
     return _Grid(
-        i * CELL,
-        j * CELL,
+        i.astype(np.float64) * CELL,
+        j.astype(np.float64) * CELL,
         int(number[border, border]),
         np.concatenate(tails),
         np.concatenate(heads),

@@ -47,7 +47,7 @@ def surroundings(perception: Perception, pose: Pose2D, spec: RobotSpec) -> Surro
 
 def period_ends(spec: RobotSpec) -> FloatArray:
     """(HORIZON,) ends of the decision periods to come, s from now."""
-    return (np.arange(HORIZON) + 1.0) * spec.decision_period
+    return np.arange(1, HORIZON + 1, dtype=np.float64) * spec.decision_period
 
 
 def _seen_through(
