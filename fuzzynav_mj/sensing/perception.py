@@ -82,10 +82,11 @@ class Perceiver:
         hits = gather_hits(now)
         flows = self._flows(hits.rays, now)
         flags = self._point_flags(hits.points, flows)
-        begin, flags = split_by_motion(hits, flags, self._settings.mover_extent)
         if previous is not None:
             for track in self._tracks:
                 track.predict(now.stamp - previous.stamp)
+        expected = np.array([track.centre for track in self._tracks]).reshape(-1, 2)
+        begin, flags = split_by_motion(hits, flags, expected, self._settings.mover_extent)
         obstacles = self._obstacles(hits, begin, flags, flows, now)
         self._tracks = [track for track in self._tracks if track.missed <= FORGET_AFTER]
         self._looks.append(now)

@@ -7,7 +7,8 @@ import numpy as np
 from fuzzynav_mj.sensing.looks import Look, neighbours
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
-GAP = 0.10  # m: hits farther apart belong to separate obstacles; the robot is twice as wide
+GAP = 0.05  # m: hits farther apart that no continuous surface joins belong to separate obstacles
+EXPECTED_WITHIN = 0.15  # m between where a mover was expected and the middle of a group of hits
 MOVING_SHARE = 0.25  # of a small group's hits must move for the whole of it to be a mover
 MOVING, STATIC, UNKNOWN = 1, -1, 0
 
@@ -47,16 +48,19 @@ def gather_hits(look: Look) -> Hits:
     return Hits(points.take(order, axis=1).T, rays.take(order), first)
 
 
-def split_by_motion(hits: Hits, flags: IntArray, mover_extent: float) -> tuple[IntArray, IntArray]:
+def split_by_motion(
+    hits: Hits, flags: IntArray, expected: FloatArray, mover_extent: float
+) -> tuple[IntArray, IntArray]:
     """Splits groups further where moving hits and standing ones meet.
 
     A mover that passes close to a wall is one group with it; its hits move, the wall's do not.
-    A group no larger than a mover, a fair share of it moving, moves as a whole: a side that
-    slides along itself merely does not show it.
+    A group no larger than a mover moves as a whole if a fair share of it does, or if a mover was
+    expected there: a side that slides along itself merely does not show it.
 
     Args:
         hits: the hits and their groups.
         flags: (m,) MOVING, STATIC or UNKNOWN for each hit.
+        expected: (k, 2) where known movers should be now, world frame.
         mover_extent: largest extent of a mover's visible side, m.
 
     Returns:
@@ -65,16 +69,18 @@ def split_by_motion(hits: Hits, flags: IntArray, mover_extent: float) -> tuple[I
     first = hits.first
     if len(first) == 0:
         return np.empty(0, dtype=np.intp), flags
-    flags = _whole_movers(hits, _drop_lone(first, flags), mover_extent)
+    flags = _whole_movers(hits, _drop_lone(first, flags), expected, mover_extent)
     flags = _fill_unknown(first, flags)
     before, _ = neighbours(len(first))
     begin = (first | (flags != flags.take(before))).nonzero()[0]
     return begin, flags.take(begin)
 
 
-def _whole_movers(hits: Hits, flags: IntArray, mover_extent: float) -> IntArray:
+def _whole_movers(
+    hits: Hits, flags: IntArray, expected: FloatArray, mover_extent: float
+) -> IntArray:
     moves = flags == MOVING
-    if not moves.any():
+    if len(expected) == 0 and not moves.any():
         return flags
     begin = hits.first.nonzero()[0]
     group = hits.first.cumsum() - 1
@@ -83,7 +89,12 @@ def _whole_movers(hits: Hits, flags: IntArray, mover_extent: float) -> IntArray:
     low = np.minimum.reduceat(hits.points.T, begin, axis=1)
     high = np.maximum.reduceat(hits.points.T, begin, axis=1)
     extent = (high - low).max(axis=0)
-    whole = (moving >= np.maximum(MOVING_SHARE * size, 2.0)) & (extent <= mover_extent)
+    whole = moving >= np.maximum(MOVING_SHARE * size, 2.0)
+    if len(expected):
+        centre = np.add.reduceat(hits.points.T, begin, axis=1) / size
+        away = centre[:, :, None] - expected.T[:, None]
+        whole |= (away[0] ** 2 + away[1] ** 2).min(axis=1) < EXPECTED_WITHIN**2
+    whole &= extent <= mover_extent
     return np.where(whole.take(group), MOVING, flags)
 
 
