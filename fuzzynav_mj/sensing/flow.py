@@ -33,6 +33,7 @@ class PointFlow:
     elapsed: float
 
 
+REACH_MARGIN = 0.01  # m: how much farther than the fastest motion believed a surface may have gone
 SAME_FACE = 0.97  # cosine of the largest angle between normals of what is taken as one face
 
 
@@ -60,7 +61,7 @@ def point_flow(
     normals = before.normals.T.take(ray, axis=1)
     surface = before.points.T.take(ray, axis=1)
     moved = (x - surface[0]) * normals[0] + (y - surface[1]) * normals[1]
-    reach = top_speed * elapsed + margin
+    reach = top_speed * elapsed + REACH_MARGIN
     known = before.joined.take(ray) & (np.abs(moved) <= reach) & (distance < max_range)
     # Beside a corner that moved, the hit may lie on another face than the one seen there before.
     known &= _faces_along(normals, rays, now)

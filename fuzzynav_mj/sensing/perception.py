@@ -173,9 +173,13 @@ class Perceiver:
         rows = speed_rows(normals, elapsed)
         weight = (elapsed / settings.flow_sigma) ** 2
         weight *= min(1.0, settings.independent_hits / max(len(rate), 1))
-        # A first fit tells which hits lie on another face; they count less in the second.
+        # Some hits are compared with another face, or another obstacle, than their own. They count
+        # less: first those that contradict what is known of the mover, then those that
+        # contradict the fit to the rest.
         prior = np.linalg.inv(track.covariance)
-        scaled = rows.T * weight
+        spread = settings.outlier**2 + ((rows @ track.covariance) * rows).sum(axis=1)
+        trusted = weight / (1.0 + (rate - rows @ track.state) ** 2 / spread)
+        scaled = rows.T * trusted
         state = np.linalg.solve(prior + scaled @ rows, prior @ track.state + scaled @ rate)
         weight /= 1.0 + ((rows @ state - rate) / settings.outlier) ** 2
         root = np.sqrt(weight)
