@@ -1,0 +1,130 @@
+"""Predicted displacements of movers against closed forms."""
+
+from math import cos, pi, sin
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from perceived import mover
+
+from fuzzynav_mj.geometry import rotation
+from fuzzynav_mj.planners.prediction import displacements
+from fuzzynav_mj.types import FloatArray
+
+TIMES = (np.arange(16) + 1.0) * 0.1
+HERE = np.zeros(2)  # the robot's place
+
+speeds = st.floats(0.05, 0.8)
+angles = st.floats(-pi, pi)
+turns = st.floats(0.02, 2.0) | st.floats(-2.0, -0.02)
+
+
+def ways(
+    velocity: tuple[float, float],
+    turn_rate: float = 0.0,
+    closing_sigma: float = 0.0,
+    place: FloatArray = HERE,
+    times: FloatArray = TIMES,
+) -> list[FloatArray]:
+    """The predictions for a mover whose nearest point is (0.6, 0)."""
+    seen = mover([(0.6, 0.0), (0.65, 0.1)], velocity, turn_rate, closing_sigma)
+    return displacements(seen, place, times)
+
+
+def among(found: list[FloatArray], wanted: FloatArray) -> bool:
+    """True if one of the predictions is the wanted one."""
+    return any(np.allclose(way, wanted, atol=1e-9) for way in found)
+
+
+@settings(max_examples=30, deadline=None)
+@given(speeds, angles)
+def test_straight_motion(speed: float, heading: float) -> None:
+    velocity = (speed * cos(heading), speed * sin(heading))
+    found = ways(velocity)
+    np.testing.assert_allclose(found[0], TIMES[:, None] * velocity, atol=1e-12)
+
+
+@settings(max_examples=30, deadline=None)
+@given(speeds, angles, turns)
+def test_circular_motion(speed: float, heading: float, turn_rate: float) -> None:
+    """A constant turn rate keeps the mover on a circle of radius v / omega about its left."""
+    velocity = np.array([speed * cos(heading), speed * sin(heading)])
+    radius = speed / turn_rate
+    phase = heading + turn_rate * TIMES
+    circle = radius * np.stack((np.sin(phase) - sin(heading), cos(heading) - np.cos(phase)), axis=1)
+    found = ways((velocity[0], velocity[1]), turn_rate)
+    np.testing.assert_allclose(found[0], circle, atol=1e-9)
+    centre = radius * np.array([-sin(heading), cos(heading)])
+    np.testing.assert_allclose(np.hypot(*(found[0] - centre).T), abs(radius), rtol=1e-9)
+
+
+def test_half_a_circle_by_hand() -> None:
+    """0.5 m/s and pi/2 rad/s: after 2 s on the other side of a circle of radius 1/pi."""
+    (arc, *_) = ways((0.5, 0.0), pi / 2, times=np.array([1.0, 2.0]))
+    np.testing.assert_allclose(arc, [[1 / pi, 1 / pi], [0.0, 2 / pi]], atol=1e-12)
+
+
+@settings(max_examples=30, deadline=None)
+@given(speeds, angles, turns)
+def test_speed_is_kept_on_arcs(speed: float, heading: float, turn_rate: float) -> None:
+    times = np.arange(0.0, 1.6, 1e-3)
+    (arc, *_) = ways((speed * cos(heading), speed * sin(heading)), turn_rate, times=times)
+    moved = np.hypot(*np.diff(arc, axis=0).T) / 1e-3
+    np.testing.assert_allclose(moved, speed, rtol=1e-5)
+
+
+def test_slow_turn_is_nearly_straight() -> None:
+    """Both sides of the turn rate from which on an arc is computed agree."""
+    straight = ways((0.3, 0.2))[0]
+    for turn_rate in (1e-6, 0.9e-3, 1.1e-3, -1.1e-3):
+        np.testing.assert_allclose(ways((0.3, 0.2), turn_rate)[0], straight, atol=1e-3)
+
+
+@pytest.mark.parametrize("turn_rate", [1.0, -1.0])
+def test_turning_mover_may_go_straight_on(turn_rate: float) -> None:
+    assert among(ways((0.2, -0.3), turn_rate), TIMES[:, None] * (0.2, -0.3))
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.floats(0.0, 0.8), angles, st.floats(-2.0, 2.0), st.floats(0.0, 0.6))
+def test_every_way_begins_where_the_mover_is(
+    speed: float, heading: float, turn_rate: float, sigma: float
+) -> None:
+    velocity = (speed * cos(heading), speed * sin(heading))
+    for way in ways(velocity, turn_rate, sigma, times=np.array([0.0, 1e-4])):
+        assert way.shape == (2, 2) and np.isfinite(way).all()
+        assert np.abs(way).max() < 2e-4
+
+
+@settings(max_examples=30, deadline=None)
+@given(speeds, angles, st.floats(-2.0, 2.0), st.floats(0.0, 0.6), angles)
+def test_turned_world_turns_the_prediction(
+    speed: float, heading: float, turn_rate: float, sigma: float, angle: float
+) -> None:
+    turn = rotation(angle)
+    velocity = np.array([speed * cos(heading), speed * sin(heading)])
+    points = np.array([(0.6, 0.0), (0.65, 0.1)])
+    plain = displacements(mover(points, velocity, turn_rate, sigma), HERE, TIMES)
+    turned = displacements(mover(points @ turn.T, turn @ velocity, turn_rate, sigma), HERE, TIMES)
+    assert len(plain) == len(turned)
+    for one, other in zip(plain, turned, strict=True):
+        np.testing.assert_allclose(one @ turn.T, other, atol=1e-9)
+
+
+@settings(max_examples=30, deadline=None)
+@given(speeds, angles, st.floats(-2.0, 2.0))
+def test_left_is_the_mirror_of_right(speed: float, heading: float, turn_rate: float) -> None:
+    vx, vy = speed * cos(heading), speed * sin(heading)
+    left, right = ways((vx, vy), turn_rate), ways((vx, -vy), -turn_rate)
+    assert len(left) == len(right)
+    for way in left:
+        assert among(right, way * (1.0, -1.0))
+
+
+def test_uncertain_closing_speed_is_met_with_caution() -> None:
+    """An unsure look is answered by thinking of the mover as coming faster, never slower."""
+    sure, unsure = ways((-0.2, 0.0)), ways((-0.2, 0.0), closing_sigma=0.3)
+    assert min(way[-1, 0] for way in unsure) < min(way[-1, 0] for way in sure) - 0.3
+    for way in sure:
+        assert among(unsure, way)
