@@ -11,9 +11,9 @@ def static_clearance(poses: np.ndarray, points: FloatArray, half_side: float) ->
     """(m, T) float32 gaps between the square at `poses` (m, T, 3) and the nearest point (k, 2)."""
     if len(points) == 0:
         return np.full(poses.shape[:2], FAR)
-    flat = poses.reshape(-1, 3)
-    gaps = _gaps(flat, points.astype(np.float32).T, half_side)
-    return gaps.min(axis=1).reshape(poses.shape[:2])
+    x, y, yaw = poses.T  # (T, m) each
+    gaps = _nearest_gaps(x.ravel(), y.ravel(), yaw.ravel(), points, half_side)
+    return gaps.reshape(x.shape).T
 
 
 def moving_clearance(poses: np.ndarray, places: FloatArray, half_side: float) -> np.ndarray:
@@ -21,25 +21,27 @@ def moving_clearance(poses: np.ndarray, places: FloatArray, half_side: float) ->
     points, which at the time of column j are at `places[j]` (T, 2, k)."""
     if places.shape[2] == 0:
         return np.full(poses.shape[:2], FAR)
-    ordered = np.ascontiguousarray(poses.transpose(1, 0, 2))  # (T, m, 3)
-    return _gaps(ordered, places.astype(np.float32), half_side).min(axis=2).T
+    x, y, yaw = poses.T
+    return _nearest_gaps(x, y, yaw, places.transpose(0, 2, 1), half_side).T
 
 
-def _gaps(poses: np.ndarray, points: np.ndarray, half_side: float) -> np.ndarray:
-    """(..., k) gaps between squares at poses (..., 3) and points (..., 2, k)."""
-    c, s = np.cos(poses[..., 2]), np.sin(poses[..., 2])
-    x, y = poses[..., 0], poses[..., 1]
-    forward = np.stack((c, s), axis=-1) @ points
-    forward -= (c * x + s * y)[..., None]
-    left = np.stack((-s, c), axis=-1) @ points
-    left -= (c * y - s * x)[..., None]
-    np.abs(forward, out=forward)
-    np.abs(left, out=left)
-    forward -= np.float32(half_side)
-    left -= np.float32(half_side)
-    np.maximum(forward, 0.0, out=forward)
-    np.maximum(left, 0.0, out=left)
+def _nearest_gaps(
+    x: np.ndarray, y: np.ndarray, yaw: np.ndarray, points: FloatArray, half_side: float
+) -> np.ndarray:
+    """(..., n) gaps between squares at x, y, yaw (..., n) and the nearest of points (..., k, 2)."""
+    c, s = np.cos(yaw), np.sin(yaw)
+    spots, half = points.astype(np.float32, order="C"), np.float32(half_side)
+    # The largest arrays of a decision, (..., k, n): worked on in place, one sum of squares.
+    forward = spots @ np.stack((c, s), axis=-2)
+    forward -= (c * x + s * y)[..., None, :]
+    within = np.clip(forward, -half, half)
+    forward -= within
     forward *= forward
+    left = spots @ np.stack((-s, c), axis=-2)
+    left -= (c * y - s * x)[..., None, :]
+    np.clip(left, -half, half, out=within)
+    left -= within
     left *= left
     forward += left
-    return np.sqrt(forward)
+    nearest: np.ndarray = np.sqrt(forward.min(axis=-2))
+    return nearest

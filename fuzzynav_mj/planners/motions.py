@@ -29,6 +29,18 @@ _AROUND = np.array([0, 2, 4, 7, 10, 15, 20, 27, 35, 45, 60, 75], dtype=int)
 FORWARD_OFFSETS = np.concatenate((_AROUND, -_AROUND[1:], [90]))
 REVERSE_OFFSETS = np.array([0, 5, -5, 10, -10, 18, -18, 26, -26])
 
+# Every candidate's place among the forward directions, the reverse ones, and no direction.
+_CANDIDATES = np.concatenate(
+    (
+        np.tile(np.arange(len(FORWARD_OFFSETS)), len(FORWARD_SPEEDS)),
+        np.tile(len(FORWARD_OFFSETS) + np.arange(len(REVERSE_OFFSETS)), len(REVERSE_SPEEDS)),
+        [0, -1],
+    )
+)
+_BACK = np.append(REVERSE_OFFSETS % TURNS, NO_TURN)
+_BACK_DIRECTIONS = np.append((REVERSE_OFFSETS % TURNS) * TURN_STEP + pi, 0.0)
+_ON_THE_SPOT = np.arange(len(_CANDIDATES)) == len(_CANDIDATES) - 2
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motions:
@@ -36,6 +48,7 @@ class Motions:
 
     Attributes:
         poses: (m, HORIZON, 3) float32; x, y of the footprint's centre and yaw, after each period.
+            Their transpose (3, HORIZON, m) is contiguous: one row for each period.
         speed: (m,) speed aimed at, m/s, negative in reverse.
         direction: (m,) direction of travel aimed at, rad.
         brake_steps: (m,) periods it takes to stop from that speed, rounded up.
@@ -53,25 +66,11 @@ def candidate_motions(wanted: float, twist: Twist2D, spec: RobotSpec) -> Motions
     """Candidates around a wanted direction of travel (rad, robot frame), a turn on the spot to it,
     and the one that stops."""
     ahead = (round(wanted / TURN_STEP) + FORWARD_OFFSETS) % TURNS
-    back = REVERSE_OFFSETS % TURNS
-    rows = np.concatenate(
-        (
-            np.tile(ahead, len(FORWARD_SPEEDS)),
-            np.tile(back, len(REVERSE_SPEEDS)),
-            [ahead[0], NO_TURN],
-        )
-    )
-    direction = np.concatenate(
-        (
-            np.tile(ahead * TURN_STEP, len(FORWARD_SPEEDS)),
-            np.tile(back * TURN_STEP + pi, len(REVERSE_SPEEDS)),
-            [ahead[0] * TURN_STEP, 0.0],
-        )
-    )
+    rows = np.concatenate((ahead, _BACK)).take(_CANDIDATES)
+    direction = np.concatenate((ahead * TURN_STEP, _BACK_DIRECTIONS)).take(_CANDIDATES)
     speed, brake_steps = _aims(spec)
-    on_the_spot = np.arange(len(rows)) == len(rows) - 2
     poses = _roll(rows, speed, twist, spec)
-    return Motions(poses, speed, direction, brake_steps, on_the_spot)
+    return Motions(poses, speed, direction, brake_steps, _ON_THE_SPOT)
 
 
 @lru_cache(maxsize=8)
@@ -89,19 +88,17 @@ class _Headings:
 
     Attributes:
         span: (steps,) length of each time step, s.
-        yaw: (classes, rows, steps) heading in the middle of each step.
-        rate: (classes, rows, steps) mean yaw rate in it.
-        drive: (classes, rows, steps) share of the speed aimed at, at its end.
-        after: (classes, rows, HORIZON) heading after each decision period.
         whole: (HORIZON,) the step that each decision period ends with.
+        change: (steps, m) largest change of speed in each step, m/s.
+        courses: (classes, rows, steps, 6) share of the speed aimed at, at each step's end; x and y
+            of the heading in its middle; x and y of the centre's mean velocity about the axle,
+            m/s; and the heading at its end.
     """
 
     span: FloatArray
-    yaw: FloatArray
-    rate: FloatArray
-    drive: FloatArray
-    after: FloatArray
     whole: IntArray
+    change: FloatArray
+    courses: FloatArray
 
 
 @lru_cache(maxsize=8)
@@ -130,14 +127,12 @@ def _headings(spec: RobotSpec) -> _Headings:
         # Drive while roughly on course; turn on the spot otherwise.
         drive.append(np.maximum(np.cos(np.clip(error, -pi / 2, pi / 2)), 0.0) ** 2)
         after.append(yaw)
-    return _Headings(
-        span=span,
-        yaw=np.stack(middle[::2], axis=2),
-        rate=np.stack(mean, axis=2),
-        drive=np.stack(drive, axis=2),
-        after=np.stack(after, axis=2)[:, :, whole],
-        whole=whole,
-    )
+    c, s = np.cos(middle[::2]), np.sin(middle[::2])
+    side = spec.axle_offset * np.array(mean)
+    courses = np.stack((drive, c, s, -s * side, c * side, after), axis=-1)
+    courses = np.ascontiguousarray(courses.transpose(1, 2, 0, 3))
+    change = np.tile(spec.max_acceleration * span[:, None], len(_CANDIDATES))
+    return _Headings(span, whole, change, courses)
 
 
 def _roll(rows: IntArray, aim: FloatArray, twist: Twist2D, spec: RobotSpec) -> np.ndarray:
@@ -145,17 +140,17 @@ def _roll(rows: IntArray, aim: FloatArray, twist: Twist2D, spec: RobotSpec) -> n
     table = _headings(spec)
     classes = round(spec.max_yaw_rate / YAW_RATE_CLASS)
     kind = min(max(round(twist.omega / YAW_RATE_CLASS), -classes), classes) + classes
-    wanted = table.drive[kind, rows] * aim[:, None]
-    speed = np.full(len(rows), twist.v)
-    means = np.empty_like(wanted)
-    for step, span in enumerate(table.span.tolist()):
-        change = spec.max_acceleration * span
-        new = np.minimum(np.maximum(wanted[:, step], speed - change), speed + change)
-        means[:, step] = (speed + new) / 2
-        speed = new
-    yaw = table.yaw[kind, rows]
-    c, s = np.cos(yaw), np.sin(yaw)
-    side = spec.axle_offset * table.rate[kind, rows]
-    x = np.cumsum((c * means - s * side) * table.span, axis=1)[:, table.whole]
-    y = np.cumsum((s * means + c * side) * table.span, axis=1)[:, table.whole]
-    return np.stack((x, y, table.after[kind, rows]), axis=2).astype(np.float32)
+    courses = table.courses[kind].take(rows, axis=0)
+    drive, c, s, aside_x, aside_y, yaw = np.ascontiguousarray(courses.T)  # (steps, m) each
+    speeds = [np.full(len(rows), twist.v)]
+    for wanted, change in zip(drive * aim, table.change, strict=True):
+        speed = speeds[-1]
+        speeds.append(np.minimum(np.maximum(wanted, speed - change), speed + change))
+    ends = np.array(speeds)
+    mean = (ends[:-1] + ends[1:]) / 2
+    velocity = np.array((c * mean + aside_x, s * mean + aside_y))
+    places = (velocity * table.span[:, None]).cumsum(axis=1)
+    poses = np.empty((3, HORIZON, len(rows)), dtype=np.float32)
+    poses[:2] = places.take(table.whole, axis=1)
+    poses[2] = yaw.take(table.whole, axis=0)
+    return poses.T

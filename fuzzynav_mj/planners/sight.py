@@ -4,17 +4,14 @@ Only standing obstacles count here; what moves is left to the roll-outs.
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
 from math import pi
 
 import numpy as np
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import dijkstra
 
+from fuzzynav_mj.planners.grid import CELL, Grid, grid_around
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
 SPACING = 0.05  # hits are thinned out to this spacing along an outline, per metre of distance
-CELL = 0.05  # m: cell of the local search
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,7 +71,7 @@ class Search:
         width: by this much, m.
     """
 
-    grid: "_Grid"
+    grid: Grid
     before: IntArray
     target: IntArray
     points: FloatArray
@@ -97,28 +94,48 @@ def free_distance(points: FloatArray, bearings: FloatArray, width: float) -> Flo
 
     A point that the disc already overlaps stops only motion towards it.
     """
+    free: FloatArray = free_distances(points, bearings, (width,))[0]
+    return free
+
+
+def free_distances(
+    points: FloatArray, bearings: FloatArray, widths: tuple[float, ...]
+) -> FloatArray:
+    """(widths, n) the same for several discs."""
+    free = np.full((len(widths), len(bearings)), np.inf)
     if len(points) == 0:
-        return np.full(len(bearings), np.inf)
+        return free
+    x, y = points.T
     c, s = np.cos(bearings)[:, None], np.sin(bearings)[:, None]
-    along = c * points[:, 0] + s * points[:, 1]
-    across = c * points[:, 1] - s * points[:, 0]
-    inside = width**2 - across**2
-    distance = along - np.sqrt(np.maximum(inside, 0.0))
-    blocked = (inside > 0.0) & (along > 0.0)
-    free: FloatArray = np.where(blocked, np.maximum(distance, 0.0), np.inf).min(axis=1)
+    along, across = c * x + s * y, c * y - s * x
+    # Most points lie beside or behind; only the others are worth a root.
+    met = ((np.abs(across) < max(widths)) & (along > 0.0)).ravel().nonzero()[0]
+    along, across, bearing = along.take(met), across.take(met), met // len(points)
+    for nearest, width in zip(free, widths, strict=True):
+        inside = width**2 - across**2
+        distance = np.maximum(along - np.sqrt(np.maximum(inside, 0.0)), 0.0)
+        np.minimum.at(nearest, bearing, np.where(inside > 0.0, distance, np.inf))
     return free
 
 
 def direct_ways(sight: Sight, width: float) -> Ways:
     """Straight ways to the edge of sight, and to where one obstacle hides what is behind it."""
-    reach = np.where(
-        sight.ranges >= sight.max_range - 1e-9, sight.max_range, _hidden_reach(sight, width)
-    )
-    free = free_distance(sight.points, sight.bearings, width)
-    is_open = (reach > 0.0) & (free >= np.minimum(reach, sight.max_range - width))
-    end = _unit(sight.bearings) * np.maximum(reach, 0.0)[:, None]
-    nowhere = np.zeros(len(end), dtype=bool)
-    return Ways(is_open, np.where(is_open, reach, np.inf), end, is_open, nowhere)
+    return straight_ways(sight, (width,))[0]
+
+
+def straight_ways(sight: Sight, widths: tuple[float, ...]) -> list[Ways]:
+    """The same for several widths."""
+    unit = np.array((np.cos(sight.bearings), np.sin(sight.bearings)))
+    nowhere = np.zeros(len(sight.bearings), dtype=bool)
+    to_edge = sight.ranges >= sight.max_range - 1e-9
+    free = free_distances(sight.points, sight.bearings, widths)
+    ways = []
+    for width, reachable in zip(widths, free, strict=True):
+        reach = np.where(to_edge, sight.max_range, _hidden_reach(sight, width))
+        is_open = (reach > 0.0) & (reachable >= np.minimum(reach, sight.max_range - width))
+        end = (unit * np.maximum(reach, 0.0)).T
+        ways.append(Ways(is_open, np.where(is_open, reach, np.inf), end, is_open, nowhere))
+    return ways
 
 
 def either(first: Ways, second: Ways, penalty: float) -> Ways:
@@ -139,7 +156,8 @@ def _hidden_reach(sight: Sight, width: float) -> FloatArray:
 
     Zero where the ranges do not jump by at least the width that the robot needs.
     """
-    nearer = np.minimum(np.roll(sight.ranges, 1), np.roll(sight.ranges, -1))
+    ring = np.concatenate((sight.ranges[-1:], sight.ranges, sight.ranges[:1]))
+    nearer = np.minimum(ring[:-2], ring[2:])
     jump = sight.ranges - nearer >= 2 * width
     return np.where(jump, np.minimum(nearer + width, sight.ranges - width), 0.0)
 
@@ -150,102 +168,26 @@ def searched_ways(sight: Sight, width: float, comfortable: float) -> Ways:
     No way comes closer than `width` to an obstacle, and the ground nearer than `comfortable`
     costs up to three times its length.
     """
-    grid = _grid(sight.max_range)
-    bearing = np.arctan2(grid.y, grid.x)
+    grid = grid_around(sight.max_range)
     count = len(sight.bearings)
-    ray = np.floor((bearing - sight.bearings[0]) * (count / (2 * pi)) + 0.5).astype(int) % count
-    distance = np.hypot(grid.x, grid.y)
-    gap = np.sqrt(np.maximum(_nearest_squared(grid, sight.points), 0.0))
-    visible = distance <= sight.ranges[ray] + 1e-9
-    passable = visible & (gap >= width)
-    passable |= distance < 1.5 * CELL  # where the robot stands it may stand
-    kept = passable[grid.tail] & passable[grid.head]
+    turn = (grid.bearing - sight.bearings[0]) * (count / (2 * pi))
+    ray = np.floor(turn + 0.5).astype(np.intp) % count
+    gap = grid.nearest(sight.points)
+    passable = (grid.distance <= sight.ranges.take(ray) + 1e-9) & (gap >= width)
+    passable |= grid.distance < 1.5 * CELL  # where the robot stands it may stand
     toll = 1.0 + 2.0 * np.clip((comfortable - gap) / (comfortable - width), 0.0, 1.0)
-    tail, head = grid.tail[kept], grid.head[kept]
-    graph = csr_matrix((grid.cost[kept] * toll[head], (tail, head)), shape=(len(grid.x),) * 2)
-    cost, before = dijkstra(graph, indices=grid.origin, return_predecessors=True)
+    cost, before = grid.cheapest(np.where(passable, toll, np.inf))
     # The edge of sight: the cheapest cell near it on each ray's bearing.
-    rim = np.flatnonzero((distance > sight.max_range - 1.5 * CELL) & np.isfinite(cost))
+    rim = grid.rim[np.isfinite(cost.take(grid.rim))]
+    rim = rim[np.argsort(-cost.take(rim), kind="stable")]
     target = np.full(count, -1)
-    for cell in rim[np.argsort(-cost[rim], kind="stable")]:
-        target[ray[cell]] = cell
+    target[ray.take(rim)] = rim  # of several the last, which is the cheapest
     is_open = (target >= 0) & (sight.ranges >= sight.max_range - 1e-9)
-    length = np.where(is_open, grid.lengths(before, target), np.inf)
-    end = np.stack((grid.x[target], grid.y[target]), axis=1)
+    length = np.full(count, np.inf)
+    length[is_open] = grid.lengths(before, target[is_open])
+    end = np.array((grid.x.take(target), grid.y.take(target))).T
     search = Search(grid, before, target, sight.points, width)
     return Ways(is_open, length, end, np.zeros(count, dtype=bool), is_open, search)
-
-
-def _unit(bearings: FloatArray) -> FloatArray:
-    return np.stack((np.cos(bearings), np.sin(bearings)), axis=1)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Grid:
-    x: FloatArray
-    y: FloatArray
-    origin: int
-    tail: IntArray
-    head: IntArray
-    cost: FloatArray
-
-    def chain(self, before: IntArray, cell: int) -> list[int]:
-        """The cells of the way to `cell`, from there back to the robot's own, without that."""
-        cells = []
-        while cell not in (self.origin, -1):
-            cells.append(cell)
-            cell = int(before[cell])
-        return cells
-
-    def lengths(self, before: IntArray, cells: IntArray) -> FloatArray:
-        """(n,) lengths of the ways to `cells` (n,); 0 for no cell (-1)."""
-        here = np.where(cells < 0, self.origin, cells)
-        total = np.zeros(len(here))
-        while (here != self.origin).any():
-            there = np.where(here == self.origin, here, before[here])
-            total += np.hypot(self.x[here] - self.x[there], self.y[here] - self.y[there])
-            here = there
-        return total
-
-
-@lru_cache(maxsize=4)
-def _grid(radius: float) -> _Grid:
-    """Cells within `radius` and the edges between neighbours; made once per radius."""
-    half = int(radius / CELL)
-    axis = np.arange(-half, half + 1)
-    i, j = (a.ravel() for a in np.meshgrid(axis, axis, indexing="ij"))
-    inside = i**2 + j**2 <= half**2
-    i, j = i[inside], j[inside]
-    border = half + 2
-    number = np.full((2 * border + 1, 2 * border + 1), -1)
-    number[i + border, j + border] = np.arange(len(i))
-    steps = [(1, 0), (0, 1), (1, 1), (1, -1), (2, 1), (1, 2), (2, -1), (1, -2)]
-    tails, heads, costs = [], [], []
-    for di, dj in steps + [(-a, -b) for a, b in steps]:
-        head = number[i + di + border, j + dj + border]
-        tail = np.flatnonzero(head >= 0)
-        tails.append(tail)
-        heads.append(head[tail])
-        costs.append(np.full(len(tail), CELL * float(np.hypot(di, dj))))
-    return _Grid(
-        i.astype(np.float64) * CELL,
-        j.astype(np.float64) * CELL,
-        int(number[border, border]),
-        np.concatenate(tails),
-        np.concatenate(heads),
-        np.concatenate(costs),
-    )
-
-
-def _nearest_squared(grid: _Grid, points: FloatArray) -> FloatArray:
-    if len(points) == 0:
-        return np.full(len(grid.x), np.inf)
-    cells = np.stack((grid.x, grid.y), axis=1).astype(np.float32)
-    spots = points.astype(np.float32)
-    cross = cells @ spots.T
-    squared = (cells**2).sum(axis=1)[:, None] + (spots**2).sum(axis=1)[None] - 2 * cross
-    nearest: FloatArray = squared.min(axis=1).astype(np.float64)
-    return nearest
 
 
 def thin(points: FloatArray, spacing: float = SPACING) -> FloatArray:
@@ -253,9 +195,11 @@ def thin(points: FloatArray, spacing: float = SPACING) -> FloatArray:
     missing corner would matter, and ever more sparsely farther away."""
     if len(points) < 3:
         return points
-    steps = np.diff(points, axis=0)
-    distance = np.sqrt(points[1:, 0] ** 2 + points[1:, 1] ** 2)
-    length = np.sqrt(steps[:, 0] ** 2 + steps[:, 1] ** 2)
-    bins = np.floor(np.cumsum(length / (spacing * np.maximum(distance, 0.1))))
-    keep = np.concatenate(([True], bins[1:] != bins[:-1], [True]))
-    return points[keep]
+    x, y = points.T
+    dx, dy = x[1:] - x[:-1], y[1:] - y[:-1]
+    distance = np.sqrt(x[1:] ** 2 + y[1:] ** 2)
+    length = np.sqrt(dx**2 + dy**2)
+    bins = np.floor((length / (spacing * np.maximum(distance, 0.1))).cumsum())
+    keep = np.ones(len(points), dtype=bool)
+    keep[1:-1] = bins[1:] != bins[:-1]
+    return points.T.compress(keep, axis=1).T
