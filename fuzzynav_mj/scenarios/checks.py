@@ -59,6 +59,8 @@ def placement_problems(scenario: Scenario, robot: RobotSpec) -> Iterator[Problem
     yield from _free(scenario, "robot.start", at_start, start_given)
     yield from _free(scenario, "robot.goal", at_goal, goal_given)
     for index, mover in enumerate(scenario.moving):
+        if index in scenario.random_phases:
+            continue
         x, y = mover.motion.positions(np.zeros(1))[0]
         if shapely.intersects(translate(mover.shape.footprint, x, y), at_start):
             yield Problem(

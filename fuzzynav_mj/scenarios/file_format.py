@@ -3,9 +3,9 @@
 Every key's description is the "allowed" half of the message that a wrong value gets.
 """
 
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from fuzzynav_mj.scenarios.motion import Interpolation, Repeat
 
@@ -26,6 +26,10 @@ Corners = Annotated[list[Point], Field(min_length=3)]
 SIMPLE_POLYGON = (
     "a simple polygon: at least 3 different corners [x, y] in m, with edges that meet only there"
 )
+
+
+def _none_if_random(value: Any) -> Any:
+    return None if value == "random" else value
 
 
 class Table(BaseModel):
@@ -54,7 +58,11 @@ class StaticTable(Table):
 
 
 class MovingTable(Table):
-    """One `[[moving]]`."""
+    """One `[[moving]]`.
+
+    A phase of None, `"random"` in the file, is drawn for every seed. `speed` is held against the
+    robot's top speed; keyframes state times and places and are taken as they are, however fast.
+    """
 
     polygon: Corners | None = Field(default=None, description=SIMPLE_POLYGON)
     circle: Positive | None = Field(default=None, description="a radius above 0 (m)")
@@ -71,7 +79,9 @@ class MovingTable(Table):
         default=None, description="'linear' or 'catmull-rom', beside keyframes"
     )
     repeat: Repeat = Field(default="reverse", description="'reverse', 'loop' or 'once'")
-    phase: Number = Field(default=0.0, description="a number (s)")
+    phase: Annotated[Number | None, BeforeValidator(_none_if_random)] = Field(
+        default=0.0, description="a number (s) or 'random'"
+    )
 
 
 class RandomMovingTable(Table):

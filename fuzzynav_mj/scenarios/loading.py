@@ -112,6 +112,7 @@ def _scenario(file: ScenarioFile, source: str) -> Scenario:
         moving=tuple(_moving(table) for table in file.moving),
         random_moving=tuple(_random_moving(table) for table in file.random_moving),
         source=source,
+        random_phases=frozenset(i for i, table in enumerate(file.moving) if table.phase is None),
     )
 
 
@@ -127,12 +128,13 @@ def _moving(table: MovingTable) -> Mover:
     else:
         assert table.circle is not None
         shape = Shape(None, (0.0, 0.0, table.circle))
+    phase = table.phase or 0.0
     if table.keyframes is not None:
         interpolation = table.interpolation or "linear"
-        motion = keyframe_motion(table.keyframes, interpolation, table.repeat, table.phase)
+        motion = keyframe_motion(table.keyframes, interpolation, table.repeat, phase)
     else:
         assert table.waypoints is not None and table.speed is not None
-        motion = waypoint_motion(np.array(table.waypoints), table.speed, table.repeat, table.phase)
+        motion = waypoint_motion(np.array(table.waypoints), table.speed, table.repeat, phase)
     return Mover(shape, motion)
 
 

@@ -50,6 +50,12 @@ class RouteMotion:
     repeat: Repeat
     phase: float
 
+    @property
+    def period(self) -> float:
+        """Time after which the motion repeats itself, or ends where `repeat` is `once`, s."""
+        duration = float(self.times[-1] - self.times[0])
+        return 2 * duration if self.repeat == "reverse" else duration
+
     def positions(self, times: FloatArray) -> FloatArray:
         """Return the (n, 2) places at (n,) `times`; see `Motion`."""
         first, duration = self.times[0], self.times[-1] - self.times[0]

@@ -7,7 +7,6 @@ from fuzzynav_mj.scenarios.shape import Shape
 from fuzzynav_mj.types import FloatArray, Pose2D
 
 Bounds = tuple[float, float, float, float]
-MovingSpec = Mover  # a scripted mover needs no drawing: it is the same for every seed
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,7 +42,8 @@ class Scenario:
         bounds: x_min, y_min, x_max, y_max of the arena, m.
         walls: True if the bounds are walls.
         time_limit: simulated time after which an episode ends, s.
-        allow_faster: True if obstacles may be faster than the robot.
+        allow_faster: True if obstacles may be faster than the robot. Without it no `speed` exceeds
+            the robot's top speed; keyframes are not checked and may.
         start: pose of the footprint's centre at time 0.
         goal: (x, y) that the footprint's centre is to reach, m.
         goal_yaw: direction to turn to on arrival, rad; or None.
@@ -52,6 +52,8 @@ class Scenario:
         moving: scripted obstacles.
         random_moving: obstacles drawn for every seed.
         source: name of the file, for messages.
+        random_phases: indices of the scripted obstacles whose phase is drawn for every seed; each
+            must have a RouteMotion.
     """
 
     name: str
@@ -65,6 +67,7 @@ class Scenario:
     goal_yaw: float | None
     goal_tolerance: float
     static: tuple[Shape, ...]
-    moving: tuple[MovingSpec, ...]
+    moving: tuple[Mover, ...]
     random_moving: tuple[RandomMovingSpec, ...]
     source: str
+    random_phases: frozenset[int] = frozenset()

@@ -9,6 +9,7 @@ from shapely.geometry.base import BaseGeometry
 
 from fuzzynav_mj.scenarios.motion import Motion, Mover
 from fuzzynav_mj.scenarios.random_movers import draw_movers
+from fuzzynav_mj.scenarios.random_phases import draw_phases
 from fuzzynav_mj.scenarios.schema import Scenario
 from fuzzynav_mj.scenarios.shape import Shape
 
@@ -41,10 +42,11 @@ class World:
 
 
 def make_world(scenario: Scenario, rng: np.random.Generator) -> World:
-    """Draw the random obstacles of `scenario`.
+    """Draw the random phases and obstacles of `scenario`.
 
     Raises:
-        ScenarioError: no motion was found that keeps a drawn obstacle clear of the static ones.
+        ScenarioError: no phase was found that keeps a scripted obstacle away from the robot's
+            start, or no motion that keeps a drawn one clear of the static ones.
     """
-    movers = scenario.moving + draw_movers(scenario, rng)
+    movers = draw_phases(scenario, rng) + draw_movers(scenario, rng)
     return World(scenario=scenario, static=scenario.static, movers=movers)

@@ -377,7 +377,7 @@ def test_a_path_is_named_in_the_message(tmp_path: Path) -> None:
 
 
 GARBAGE = st.sampled_from(
-    ["nan", "inf", "-1", "0", "1e9", "1e400", "true", '"text"', "[]", "[[]]", "{}", "[1, 2]",
+    ["nan", "inf", "-1", "0", "1e9", "1e400", "true", '"text"', '"random"', "[]", "[[]]", "{}", "[1, 2]",
      "[[0, 0], [1, 1], [2, 2]]", "1979-05-27", "{ x = 1 }", "'\\'", "", "]", "0x" + "f" * 5000]
 )  # fmt: skip
 
