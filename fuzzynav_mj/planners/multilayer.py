@@ -65,7 +65,8 @@ class MultilayerPlanner:
             wanted = dock.turn_to - pose.yaw
         motions = candidate_motions(wanted, observation.twist, self._spec)
         outlook = look_ahead(motions, around, pose, self._spec, self._settings)
-        cost = self._cost(motions, outlook, target, pose, dock)
+        moving_in_sight = any(obstacle.dynamic for obstacle in perception.obstacles)
+        cost = self._cost(motions, outlook, target, pose, dock, moving_in_sight)
         candidates = _candidates(motions, outlook, cost, pose)
         verdict = self._judge(_choose(cost, outlook), motions, candidates, pose, perception)
         chosen = verdict.chosen
@@ -89,6 +90,7 @@ class MultilayerPlanner:
         target: tuple[float, float],
         pose: Pose2D,
         dock: Docking | None,
+        moving_in_sight: bool,
     ) -> FloatArray:
         """(m,) the priorities as one cost, m: progress first, then room, then keeping on.
 
@@ -105,6 +107,9 @@ class MultilayerPlanner:
         if self._travel is not None:
             turn = np.abs((motions.direction + pose.yaw - self._travel + pi) % (2 * pi) - pi)
             cost = cost + settings.change_cost * turn
+        if not moving_in_sight:
+            # Waiting is for movers: among what stands it would last for ever.
+            cost = cost + settings.waiting_cost * (motions.speed == 0.0)
         if dock is not None and dock.turn_to is not None:
             cost = cost + ~motions.on_the_spot
         result: FloatArray = cost.astype(np.float64)

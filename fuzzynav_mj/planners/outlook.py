@@ -31,7 +31,8 @@ class Outlook:
         moving: (m,) smallest gap to what moves, m.
         crowding: (m,) at the worst moment, how much is missing of the berth that movers are given.
         static_ok: (m,) True if the robot can stop in time.
-        contact_step: (m,) period of the first predicted contact with a mover; HORIZON for none.
+        contact_step: (m,) period of the first contact with a mover that goes on as expected;
+            HORIZON for none.
         soon: (m,) smallest gap to what stands in the next few periods, without stopping.
         admissible: (m,) True if the whole roll-out, stop included, keeps its margins.
     """
@@ -66,12 +67,14 @@ def look_ahead(
     rows = np.arange(len(stops))[:, None]
     poses = motions.poses[rows, steps]
     static_ok = (last >= 0) | (first == HORIZON)
-    moving = moving_clearance(poses, to_robot @ around.moving, spec.half_side)
+    expected = moving_clearance(poses, to_robot @ around.expected, spec.half_side)
+    possible = moving_clearance(poses, to_robot @ around.possible, spec.half_side)
+    moving = np.minimum(expected, possible)
     berth = settings.moving_gap + settings.moving_gap_growth * np.minimum(
         times, settings.moving_gap_time
     )
     wanted = settings.moving_margin + settings.moving_margin_growth * times
-    contact = moving < settings.contact_gap
+    contact = expected < settings.contact_gap
     return Outlook(
         poses=poses,
         static=static[rows, steps].min(axis=1),

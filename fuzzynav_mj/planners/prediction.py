@@ -22,7 +22,8 @@ LARGEST_SURPRISE = 0.5  # m/s
 def displacements(
     obstacle: PerceivedObstacle, place: FloatArray, times: FloatArray
 ) -> list[FloatArray]:
-    """(T, 2) displacements after each of `times` (T,), one array for each way it may go on.
+    """(T, 2) displacements after each of `times` (T,), one array for each way it may go on; the
+    expected way comes first.
 
     Args:
         obstacle: a moving one.

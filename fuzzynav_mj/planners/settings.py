@@ -21,6 +21,7 @@ class DecisionSettings:
         moving_gap_time: ... up to this time.
         moving_weight: cost per metre missing of it, at the worst moment.
         reverse_cost: what driving backwards costs.
+        waiting_cost: what standing still costs where nothing moves.
         change_cost: cost per radian of a new direction of travel.
         progress_steps: decision periods after which the progress counts.
         stuck_time: time without leaving a circle of `stuck_radius` after which the robot gives up.
@@ -40,6 +41,7 @@ class DecisionSettings:
     moving_gap_time: float = 1.0
     moving_weight: float = 1.0
     reverse_cost: float = 0.10
+    waiting_cost: float = 0.3
     change_cost: float = 0.02
     progress_steps: int = 8
     stuck_time: float = 45.0

@@ -20,11 +20,14 @@ class Surroundings:
 
     Attributes:
         sight: what stands. Rays that a mover stops count as free: it will go away.
-        moving: (HORIZON, 2, k) where points of what moves will be at the end of each period.
+        expected: (HORIZON, 2, k) where points of what moves will be at the end of each period, as
+            far as its motion can be foreseen ...
+        possible: (HORIZON, 2, j) ... and where else they may be.
     """
 
     sight: Sight
-    moving: FloatArray
+    expected: FloatArray
+    possible: FloatArray
 
 
 def surroundings(perception: Perception, pose: Pose2D, spec: RobotSpec) -> Surroundings:
@@ -36,13 +39,18 @@ def surroundings(perception: Perception, pose: Pose2D, spec: RobotSpec) -> Surro
     scan = perception.scan
     bearings = scan.bearings + pose.yaw
     ranges = _seen_through(scan.ranges, bearings, movers, here, scan.max_range)
-    places = [
-        thin(mover.points - here, MOVER_SPACING).T[None] + way[:, :, None]
-        for mover in movers
-        for way in displacements(mover, here, period_ends(spec))
-    ]
-    moving = np.concatenate(places, axis=2) if places else np.empty((HORIZON, 2, 0))
-    return Surroundings(Sight(points, bearings, ranges, scan.max_range), moving)
+    expected, possible = [], []
+    for mover in movers:
+        points_now = thin(mover.points - here, MOVER_SPACING).T[None]
+        first, *others = displacements(mover, here, period_ends(spec))
+        expected.append(points_now + first[:, :, None])
+        possible += [points_now + way[:, :, None] for way in others]
+    sight = Sight(points, bearings, ranges, scan.max_range)
+    return Surroundings(sight, _joined(expected), _joined(possible))
+
+
+def _joined(places: list[FloatArray]) -> FloatArray:
+    return np.concatenate(places, axis=2) if places else np.empty((HORIZON, 2, 0))
 
 
 def period_ends(spec: RobotSpec) -> FloatArray:

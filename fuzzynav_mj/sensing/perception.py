@@ -20,6 +20,7 @@ from fuzzynav_mj.sensing.segmentation import (
     gather_hits,
     split_by_motion,
 )
+from fuzzynav_mj.sensing.splitting import motion_cut
 from fuzzynav_mj.sensing.tracking import FORGET_AFTER, Track, nearest_track, speed_rows
 from fuzzynav_mj.sensing.visibility import visibility_matrix
 from fuzzynav_mj.types import FloatArray, IntArray, LaserScan, PerceivedObstacle, Perception, Pose2D
@@ -87,6 +88,7 @@ class Perceiver:
                 track.predict(now.stamp - previous.stamp)
         expected = np.array([track.centre for track in self._tracks]).reshape(-1, 2)
         begin, flags = split_by_motion(hits, flags, expected, self._settings.mover_extent)
+        begin, flags = _cut_overlaps(begin, flags, len(hits.points), flows)
         obstacles = self._obstacles(hits, begin, flags, flows, now)
         self._tracks = [track for track in self._tracks if track.missed <= FORGET_AFTER]
         self._looks.append(now)
@@ -199,6 +201,27 @@ class Perceiver:
         rates = (across * (ends[seen] - before[seen])).sum(axis=1) / elapsed
         rows = speed_rows(across, np.full(len(rates), elapsed))
         return rows * root, rates * root
+
+
+def _cut_overlaps(
+    begin: IntArray, flags: IntArray, count: int, flows: list[PointFlow]
+) -> tuple[IntArray, IntArray]:
+    """Cuts moving obstacles in two where they turn out to be two movers; see `motion_cut`."""
+    if not flows or not (flags == MOVING).any():
+        return begin, flags
+    flow = flows[0]
+    cuts = []
+    for first, last in zip(begin, np.append(begin, count)[1:], strict=True):
+        known = first + flow.known[first:last].nonzero()[0]
+        if flags[begin.searchsorted(first)] != MOVING or len(known) == 0:
+            continue
+        cut = motion_cut(flow.normals[known], flow.distance[known] / flow.elapsed)
+        if cut is not None:
+            cuts.append(int(known[cut]))
+    if not cuts:
+        return begin, flags
+    places = begin.searchsorted(cuts)
+    return np.insert(begin, places, cuts), np.insert(flags, places, MOVING)
 
 
 def _outline_ends(hits: Hits, span: slice, look: Look) -> FloatArray:
