@@ -31,6 +31,9 @@ from fuzzynav_mj.types import (
 )
 
 
+STANDING = 0.03  # m or rad: a candidate that changes its pose by no more stands still
+
+
 class MultilayerPlanner:
     """The paper's planner. `gate=None` leaves the fuzzy gate out."""
 
@@ -109,7 +112,8 @@ class MultilayerPlanner:
             cost = cost + settings.change_cost * turn
         if not moving_in_sight:
             # Waiting is for movers: among what stands it would last for ever.
-            cost = cost + settings.waiting_cost * (motions.speed == 0.0)
+            goes = np.abs(outlook.poses[:, -1]).max(axis=1) > STANDING
+            cost = cost + settings.waiting_cost * ~goes
         if dock is not None and dock.turn_to is not None:
             cost = cost + ~motions.on_the_spot
         result: FloatArray = cost.astype(np.float64)
