@@ -12,6 +12,7 @@ import numpy as np
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.sensing.flow import PointFlow, point_flow
 from fuzzynav_mj.sensing.looks import Look, take_look
+from fuzzynav_mj.sensing.outline import end_rates, outline_ends
 from fuzzynav_mj.sensing.segmentation import (
     MOVING,
     STATIC,
@@ -20,7 +21,7 @@ from fuzzynav_mj.sensing.segmentation import (
     gather_hits,
     split_by_motion,
 )
-from fuzzynav_mj.sensing.splitting import motion_cut
+from fuzzynav_mj.sensing.splitting import OverlapCutter
 from fuzzynav_mj.sensing.tracking import FORGET_AFTER, Track, nearest_track, speed_rows
 from fuzzynav_mj.sensing.visibility import visibility_matrix
 from fuzzynav_mj.types import FloatArray, IntArray, LaserScan, PerceivedObstacle, Perception, Pose2D
@@ -55,9 +56,6 @@ class PerceptionSettings:
     mover_extent: float = 0.7
 
 
-END_DEPTH = 0.05  # m: an outline ends where the next ray reaches this much farther ...
-RANGE_END_DEPTH = 0.15  # m: ... or this much, where the next ray hits nothing
-
 DEFAULT_SETTINGS = PerceptionSettings()
 
 
@@ -74,6 +72,7 @@ class Perceiver:
         self._settings = settings
         self._looks: deque[Look] = deque(maxlen=settings.looks)
         self._tracks: list[Track] = []
+        self._cutter = OverlapCutter(settings.looks)
 
     def perceive(self, scan: LaserScan, pose: Pose2D) -> Perception:
         """What this scan shows, in the light of the looks before it."""
@@ -88,7 +87,7 @@ class Perceiver:
                 track.predict(now.stamp - previous.stamp)
         expected = np.array([track.centre for track in self._tracks]).reshape(-1, 2)
         begin, flags = split_by_motion(hits, flags, expected, self._settings.mover_extent)
-        begin, flags = _cut_overlaps(begin, flags, len(hits.points), flows)
+        begin, flags = self._cutter.cut(hits, begin, flags, flows, now)
         obstacles = self._obstacles(hits, begin, flags, flows, now)
         self._tracks = [track for track in self._tracks if track.missed <= FORGET_AFTER]
         self._looks.append(now)
@@ -152,7 +151,7 @@ class Perceiver:
             track = Track.begin(centre)
             self._tracks.append(track)
         rows, rates = self._surface_motion(span, flows, track)
-        ends = _outline_ends(hits, span, now)
+        ends = outline_ends(hits, span, now)
         if track.outlines:
             row, rate = self._outline_motion(now, ends, track)
             rows, rates = np.concatenate((rows, row)), np.concatenate((rates, rate))
@@ -193,49 +192,9 @@ class Perceiver:
         """The same for the shift of the visible outline's ends across the line of sight."""
         stamp, before = track.outlines[0]
         elapsed = now.stamp - stamp
-        seen = ~np.isnan(ends[:, 0] + before[:, 0])
-        sight = ends[seen] - np.array([now.pose.x, now.pose.y])
-        length = np.maximum(np.hypot(sight[:, 0], sight[:, 1]), 1e-9)
-        across = np.stack((-sight[:, 1], sight[:, 0]), axis=1) / length[:, None]
+        across, rates = end_rates(ends, before, elapsed, now)
         root = elapsed / self._settings.outline_sigma
-        rates = (across * (ends[seen] - before[seen])).sum(axis=1) / elapsed
-        rows = speed_rows(across, np.full(len(rates), elapsed))
-        return rows * root, rates * root
-
-
-def _cut_overlaps(
-    begin: IntArray, flags: IntArray, count: int, flows: list[PointFlow]
-) -> tuple[IntArray, IntArray]:
-    """Cuts moving obstacles in two where they turn out to be two movers; see `motion_cut`."""
-    if not flows or not (flags == MOVING).any():
-        return begin, flags
-    flow = flows[0]
-    cuts = []
-    for first, last in zip(begin, np.append(begin, count)[1:], strict=True):
-        known = first + flow.known[first:last].nonzero()[0]
-        if flags[begin.searchsorted(first)] != MOVING or len(known) == 0:
-            continue
-        cut = motion_cut(flow.normals[known], flow.distance[known] / flow.elapsed)
-        if cut is not None:
-            cuts.append(int(known[cut]))
-    if not cuts:
-        return begin, flags
-    places = begin.searchsorted(cuts)
-    return np.insert(begin, places, cuts), np.insert(flags, places, MOVING)
-
-
-def _outline_ends(hits: Hits, span: slice, look: Look) -> FloatArray:
-    """(2, 2) first and last hit of an obstacle; nan where something nearer may hide its end."""
-    count = len(look.ranges)
-    ends = hits.points[[span.start, span.stop - 1]]
-    for row, (index, step) in enumerate(((span.start, -1), (span.stop - 1, 1))):
-        ray = int(hits.rays[index])
-        beside = (ray + step) % count
-        # Where nothing was hit beside it, the obstacle may go on just out of range.
-        depth = END_DEPTH if look.hit[beside] else RANGE_END_DEPTH
-        if look.ranges[beside] < look.ranges[ray] + depth:
-            ends[row] = np.nan
-    return ends
+        return speed_rows(across, np.full(len(rates), elapsed)) * root, rates * root
 
 
 def _perceived(points: FloatArray, track: Track | None, pose: Pose2D) -> PerceivedObstacle:
