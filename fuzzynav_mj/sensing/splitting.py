@@ -120,4 +120,4 @@ def _corner_within(hits: Hits, span: slice, look: Look) -> int | None:
     alike = (normals[:-2] * normals[1:-1]).sum(axis=1)
     alike = np.where(look.joined[rays[:-2]] & look.joined[rays[1:-1]], alike, -1.0)
     inner = alike[FEWEST - 2 : len(alike) - FEWEST + 2]
-    return span.start + FEWEST - 1 + int(inner.argmin())
+    return int(span.start) + FEWEST - 1 + int(inner.argmin())
