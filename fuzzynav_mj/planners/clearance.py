@@ -30,15 +30,15 @@ def _nearest_gaps(
 ) -> np.ndarray:
     """(..., n) gaps between squares at x, y, yaw (..., n) and the nearest of points (..., k, 2)."""
     c, s = np.cos(yaw), np.sin(yaw)
-    spots, half = points.astype(np.float32, order="C"), np.float32(half_side)
-    # The largest arrays of a decision, (..., k, n): worked on in place, one sum of squares.
-    forward = spots @ np.stack((c, s), axis=-2)
-    forward -= (c * x + s * y)[..., None, :]
+    half = np.float32(half_side)
+    spots = np.ones((*points.shape[:-1], 3), dtype=np.float32)  # homogeneous
+    spots[..., :2] = points
+    # The largest arrays of a decision, (..., k, n): as few passes over them as possible.
+    forward = spots @ np.stack((c, s, -(c * x + s * y)), axis=-2)
     within = np.clip(forward, -half, half)
     forward -= within
     forward *= forward
-    left = spots @ np.stack((-s, c), axis=-2)
-    left -= (c * y - s * x)[..., None, :]
+    left = spots @ np.stack((-s, c, s * x - c * y), axis=-2)
     np.clip(left, -half, half, out=within)
     left -= within
     left *= left

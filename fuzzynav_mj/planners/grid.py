@@ -42,10 +42,8 @@ class Grid:
             return np.full(len(self.x), np.inf)
         cells = np.array((self.x, self.y), dtype=np.float32)
         spots = points.astype(np.float32)
-        cross = spots @ cells
-        cross *= 2.0
         squared = (cells[0] ** 2 + cells[1] ** 2) + (spots[:, :1] ** 2 + spots[:, 1:] ** 2)
-        squared -= cross
+        squared -= (2.0 * spots) @ cells
         nearest: FloatArray = squared.min(axis=0).astype(np.float64)
         return np.sqrt(np.maximum(nearest, 0.0))
 

@@ -94,28 +94,41 @@ def free_distance(points: FloatArray, bearings: FloatArray, width: float) -> Flo
 
     A point that the disc already overlaps stops only motion towards it.
     """
-    free: FloatArray = free_distances(points, bearings, (width,))[0]
+    if len(points) == 0:
+        return np.full(len(bearings), np.inf)
+    x, y = points.T
+    c, s = np.cos(bearings)[:, None], np.sin(bearings)[:, None]
+    free: FloatArray = _until_met(c * x + s * y, c * y - s * x, width).min(axis=1)
     return free
 
 
-def free_distances(
-    points: FloatArray, bearings: FloatArray, widths: tuple[float, ...]
-) -> FloatArray:
-    """(widths, n) the same for several discs."""
-    free = np.full((len(widths), len(bearings)), np.inf)
+def _free_distances(sight: Sight, widths: tuple[float, ...]) -> FloatArray:
+    """(widths, n) the same on the bearings of the rays, which are evenly spaced."""
+    count, points = len(sight.bearings), sight.points
+    free = np.full((len(widths), count), np.inf)
     if len(points) == 0:
         return free
     x, y = points.T
-    c, s = np.cos(bearings)[:, None], np.sin(bearings)[:, None]
+    # Only the rays within the angle that the widest disc covers as seen from here meet a point.
+    widest, per_radian = max(widths), count / (2 * pi)
+    spread = np.arcsin(widest / np.maximum(np.hypot(x, y), widest)) * per_radian
+    first = np.floor((np.arctan2(y, x) - sight.bearings[0]) * per_radian - spread).astype(np.intp)
+    number = (2 * spread).astype(np.intp) + 3
+    past = number.cumsum()
+    ray = (np.arange(past[-1]) + (first - past + number).repeat(number)) % count
+    x, y = x.repeat(number), y.repeat(number)
+    c, s = np.cos(sight.bearings).take(ray), np.sin(sight.bearings).take(ray)
     along, across = c * x + s * y, c * y - s * x
-    # Most points lie beside or behind; only the others are worth a root.
-    met = ((np.abs(across) < max(widths)) & (along > 0.0)).ravel().nonzero()[0]
-    along, across, bearing = along.take(met), across.take(met), met // len(points)
     for nearest, width in zip(free, widths, strict=True):
-        inside = width**2 - across**2
-        distance = np.maximum(along - np.sqrt(np.maximum(inside, 0.0)), 0.0)
-        np.minimum.at(nearest, bearing, np.where(inside > 0.0, distance, np.inf))
+        np.minimum.at(nearest, ray, _until_met(along, across, width))
     return free
+
+
+def _until_met(along: FloatArray, across: FloatArray, width: float) -> FloatArray:
+    """How far a disc moves until it meets a point that lies so far ahead and beside it."""
+    inside = width**2 - across**2
+    distance = np.maximum(along - np.sqrt(np.maximum(inside, 0.0)), 0.0)
+    return np.where((inside > 0.0) & (along > 0.0), distance, np.inf)
 
 
 def direct_ways(sight: Sight, width: float) -> Ways:
@@ -128,7 +141,7 @@ def straight_ways(sight: Sight, widths: tuple[float, ...]) -> list[Ways]:
     unit = np.array((np.cos(sight.bearings), np.sin(sight.bearings)))
     nowhere = np.zeros(len(sight.bearings), dtype=bool)
     to_edge = sight.ranges >= sight.max_range - 1e-9
-    free = free_distances(sight.points, sight.bearings, widths)
+    free = _free_distances(sight, widths)
     ways = []
     for width, reachable in zip(widths, free, strict=True):
         reach = np.where(to_edge, sight.max_range, _hidden_reach(sight, width))
