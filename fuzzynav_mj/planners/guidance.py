@@ -288,10 +288,15 @@ class Guidance:
         return int(opening[roomy[0]]) if len(roomy) else first
 
     def _outwards(self, place: tuple[float, float], sight: Sight, following: Following) -> IntArray:
-        """All rays in turn, from the one at the boundary's edge away from the boundary."""
+        """All rays in turn away from the boundary, from where it is nearest to the robot.
+
+        The edge may lie far ahead, beyond a gap that only opens beside the robot.
+        """
         edge = following.edge
         start = _ray(atan2(edge[1] - place[1], edge[0] - place[0]), sight)
         count = len(sight.bearings)
+        beside = (start - following.side * np.arange(count // 3)) % count
+        start = int(beside[int(sight.ranges[beside].argmin())])
         return (start + following.side * np.arange(count)) % count
 
 
