@@ -108,9 +108,8 @@ class Perceiver:
         """(m,) whether each hit moves, as far as it can be told."""
         flags = np.full(len(points), UNKNOWN)
         for flow in reversed(flows):  # the longer comparison has the last word
-            size = np.abs(flow.distance)
-            flags = np.where(flow.known & (size <= self._settings.still), STATIC, flags)
-            flags = np.where(flow.known & (size > self._settings.still), MOVING, flags)
+            moved = np.where(np.abs(flow.distance) > self._settings.still, MOVING, STATIC)
+            flags = np.where(flow.known, moved, flags)
         for flow in flows:
             flags = np.where(flow.intruding, MOVING, flags)
         return flags
@@ -124,15 +123,18 @@ class Perceiver:
         now: Look,
     ) -> tuple[PerceivedObstacle, ...]:
         ends = np.append(begin, len(hits.points))[1:]
-        spans = [slice(int(a), int(b)) for a, b in zip(begin, ends, strict=True)]
+        spans = [slice(a, b) for a, b in zip(begin.tolist(), ends.tolist(), strict=True)]
         tracks: list[Track | None] = [None] * len(spans)
         # Moving ones take the tracks first, and of those the ones with the most hits.
-        for index in np.lexsort((begin - ends, -flags)):
-            span = spans[index]
-            tracks[index] = self._track(hits, span, flows, bool(flags[index] == MOVING), now)
+        for index in np.lexsort((begin - ends, -flags)).tolist():
+            moving = bool(flags[index] == MOVING)
+            tracks[index] = self._track(hits, spans[index], flows, moving, now)
+        offsets = hits.points.T - np.array([[now.pose.x], [now.pose.y]])
+        squared = offsets[0] ** 2 + offsets[1] ** 2
+        nearest = [span.start + int(squared[span].argmin()) for span in spans]
         return tuple(
-            _perceived(hits.points[span], track, now.pose)
-            for span, track in zip(spans, tracks, strict=True)
+            _perceived(hits.points[span], hits.points[hit], offsets[:, hit], track, now.pose.yaw)
+            for span, hit, track in zip(spans, nearest, tracks, strict=True)
         )
 
     def _track(
@@ -140,8 +142,9 @@ class Perceiver:
     ) -> Track | None:
         """The updated track of one obstacle; None if it stands still."""
         settings, points = self._settings, hits.points[span]
-        extent = points[-1] - points[0]
-        if not moving and (not self._tracks or hypot(*extent.tolist()) > settings.mover_extent):
+        if not moving and not self._tracks:
+            return None
+        if not moving and hypot(*(points[-1] - points[0]).tolist()) > settings.mover_extent:
             return None
         centre = points.mean(axis=0)
         track = nearest_track(self._tracks, centre)
@@ -150,34 +153,34 @@ class Perceiver:
                 return None
             track = Track.begin(centre)
             self._tracks.append(track)
-        rows, rates = self._surface_motion(span, flows, track)
+        prior = track.information
+        rows, rates = self._surface_motion(span, flows, track, prior)
         ends = outline_ends(hits, span, now)
         if track.outlines:
             row, rate = self._outline_motion(now, ends, track)
             rows, rates = np.concatenate((rows, row)), np.concatenate((rates, rate))
         track.outlines.append((now.stamp, ends))
-        track.update(centre, rows, rates)
+        track.update(centre, prior, rows, rates)
         if track.speed < settings.slowest or track.speed > settings.top_speed:
             return None
         return track
 
     def _surface_motion(
-        self, span: slice, flows: list[PointFlow], track: Track
+        self, span: slice, flows: list[PointFlow], track: Track, prior: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Measurement rows and rates of the normal motions of the hits, over their sigma."""
         settings = self._settings
-        known = np.concatenate([flow.known[span] for flow in flows])
-        normals = np.concatenate([flow.normals[span] for flow in flows])[known]
-        elapsed = np.concatenate([np.full(flow.known[span].shape, flow.elapsed) for flow in flows])
-        elapsed = elapsed[known]
-        rate = np.concatenate([flow.distance[span] for flow in flows])[known] / elapsed
-        rows = speed_rows(normals, elapsed)
+        known = [span.start + flow.known[span].nonzero()[0] for flow in flows]
+        pairs = list(zip(flows, known, strict=True))
+        elapsed = np.array([flow.elapsed for flow in flows]).repeat([len(hit) for hit in known])
+        rate = np.concatenate([flow.distance.take(hit) for flow, hit in pairs]) / elapsed
+        normals = np.concatenate([flow.normals.T.take(hit, axis=1) for flow, hit in pairs], axis=1)
+        rows = speed_rows(np.ascontiguousarray(normals.T), elapsed)
         weight = (elapsed / settings.flow_sigma) ** 2
         weight *= min(1.0, settings.independent_hits / max(len(rate), 1))
         # Some hits are compared with another face, or another obstacle, than their own. They count
         # less: first those that contradict what is known of the mover, then those that
         # contradict the fit to the rest.
-        prior = np.linalg.inv(track.covariance)
         spread = settings.outlier**2 + ((rows @ track.covariance) * rows).sum(axis=1)
         trusted = weight / (1.0 + (rate - rows @ track.state) ** 2 / spread)
         scaled = rows.T * trusted
@@ -197,17 +200,17 @@ class Perceiver:
         return speed_rows(across, np.full(len(rates), elapsed)) * root, rates * root
 
 
-def _perceived(points: FloatArray, track: Track | None, pose: Pose2D) -> PerceivedObstacle:
-    offset = points - np.array([pose.x, pose.y])
-    squared = offset[:, 0] ** 2 + offset[:, 1] ** 2
-    nearest = int(squared.argmin())
-    x, y = offset[nearest].tolist()
+def _perceived(
+    points: FloatArray, nearest: FloatArray, offset: FloatArray, track: Track | None, yaw: float
+) -> PerceivedObstacle:
+    """An obstacle of these points, the nearest of which lies off the robot by `offset` (2,)."""
+    x, y = offset.tolist()
     distance = hypot(x, y)
-    bearing = (atan2(y, x) - pose.yaw + pi) % (2 * pi) - pi
+    bearing = (atan2(y, x) - yaw + pi) % (2 * pi) - pi
     if track is None:
         return PerceivedObstacle(
             points=points,
-            nearest_point=points[nearest],
+            nearest_point=nearest,
             distance=distance,
             bearing=bearing,
             dynamic=False,
@@ -217,12 +220,12 @@ def _perceived(points: FloatArray, track: Track | None, pose: Pose2D) -> Perceiv
     velocity = track.velocity
     return PerceivedObstacle(
         points=points,
-        nearest_point=points[nearest],
+        nearest_point=nearest,
         distance=distance,
         bearing=bearing,
         dynamic=True,
         approaching=float(velocity[0] * x + velocity[1] * y) < 0.0,
         velocity=velocity,
         turn_rate=track.turn_rate,
-        closing_sigma=track.sigma_along(offset[nearest] / max(distance, 1e-9)),
+        closing_sigma=track.sigma_along(offset / max(distance, 1e-9)),
     )

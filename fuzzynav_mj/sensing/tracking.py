@@ -52,6 +52,11 @@ class Track:
         return self.state[:2]
 
     @property
+    def information(self) -> FloatArray:
+        """(4, 4) inverse of the covariance."""
+        return np.asarray(np.linalg.inv(self.covariance), dtype=np.float64)
+
+    @property
     def speed(self) -> float:
         """m/s."""
         return hypot(float(self.state[0]), float(self.state[1]))
@@ -74,22 +79,27 @@ class Track:
         """Carries the belief on to the next look."""
         self.centre = self.centre + self.velocity * elapsed
         fade = exp(-elapsed / ACCELERATION_TIME)
-        transition = np.diag([1.0, 1.0, fade, fade])
-        transition[0, 2] = transition[1, 3] = elapsed
+        transition = np.array(
+            [[1.0, 0.0, elapsed, 0.0], [0.0, 1.0, 0.0, elapsed], [0, 0, fade, 0], [0, 0, 0, fade]]
+        )
         self.state = transition @ self.state
-        noise = np.array([SPEED_NOISE**2] * 2 + [ACCELERATION_SIGMA**2 * (1.0 - fade * fade)] * 2)
-        self.covariance = transition @ self.covariance @ transition.T + np.diag(noise)
+        noise = ACCELERATION_SIGMA**2 * (1.0 - fade * fade)
+        covariance = transition @ self.covariance @ transition.T
+        covariance.ravel()[::5] += (SPEED_NOISE**2, SPEED_NOISE**2, noise, noise)  # the diagonal
+        self.covariance = covariance
         self.missed += 1
 
-    def update(self, centre: FloatArray, rows: FloatArray, rates: FloatArray) -> None:
+    def update(
+        self, centre: FloatArray, prior: FloatArray, rows: FloatArray, rates: FloatArray
+    ) -> None:
         """Takes in measured speeds; in directions that none constrains the belief stays.
 
         Args:
             centre: (2,) mean of the hits.
+            prior: (4, 4) `information` before.
             rows: (m, 4) measurement rows over their sigma.
             rates: (m,) measured speeds over the same sigma, m/s.
         """
-        prior = np.linalg.inv(self.covariance)
         self.covariance = np.asarray(np.linalg.inv(prior + rows.T @ rows), dtype=np.float64)
         self.state = self.covariance @ (prior @ self.state + rows.T @ rates)
         self.centre = centre

@@ -19,24 +19,18 @@ def visibility_matrix(
     """
     radii = np.array(rings)[:, None]
     occupied = now.hit & (now.ranges <= radii)
-    quarter = np.floor(bearings / (pi / 2)).astype(np.intp) + 2
-    counts = _per_quarter(occupied, quarter)
+    counts = _per_quarter(occupied, bearings)
     if before is None:
         return VisibilityMatrix(occupied, counts, counts)
     seen = _ranges_from(before, now.pose, len(bearings))
-    return VisibilityMatrix(occupied, counts, _per_quarter(seen <= radii, quarter))
+    return VisibilityMatrix(occupied, counts, _per_quarter(seen <= radii, bearings))
 
 
-def _per_quarter(occupied: BoolArray, quarter: IntArray) -> IntArray:
-    """(4,) counts in q1 (front right), q2 (front left), q3 (rear left), q4 (rear right).
-
-    Args:
-        occupied: (rings, n).
-        quarter: (n,) of each ray, counted from straight behind counter-clockwise.
-    """
-    per_ray = np.add.reduce(occupied, axis=0, dtype=np.intp)
-    totals = np.bincount(quarter, weights=per_ray, minlength=4)
-    return totals.astype(np.intp).take([1, 2, 3, 0])
+def _per_quarter(occupied: BoolArray, bearings: FloatArray) -> IntArray:
+    """(4,) counts in q1 (front right), q2 (front left), q3 (rear left), q4 (rear right)."""
+    right, ahead, left = bearings.searchsorted((-pi / 2, 0.0, pi / 2)).tolist()
+    quarters = ((right, ahead), (ahead, left), (left, len(bearings)), (0, right))
+    return np.array([np.count_nonzero(occupied[:, first:end]) for first, end in quarters])
 
 
 def _ranges_from(look: Look, pose: Pose2D, count: int) -> FloatArray:
