@@ -42,7 +42,7 @@ class GuidanceSettings:
     comfortable: float = 0.20
     tight: float = 0.15
     tight_penalty: float = 0.10
-    search_gain: float = 0.05
+    search_gain: float = 0.15
     gain: float = 0.15
     loop_radius: float = 0.25
     loop_length: float = 1.5
@@ -211,9 +211,12 @@ class Guidance:
             return False
         if self._following is not None:
             order = self._outwards(place, sight, self._following)
-            return bool((hopeful | ways.open)[order].argmax() < ways.open[order].argmax() - 1) or (
-                not ways.open.any()
-            )
+            if not ways.open.any():
+                return True
+            # The width of the robot hides a few rays beside every edge; those promise nothing.
+            hidden = self._settings.tight / sight.max_range * len(order) / (2 * pi)
+            lead = int(ways.open[order].argmax()) - int((hopeful | ways.open)[order].argmax())
+            return lead > 1.5 * hidden
         unit = np.stack((np.cos(sight.bearings[hopeful]), np.sin(sight.bearings[hopeful])), axis=1)
         rest = unit * sight.max_range - goal
         promised = sight.max_range + np.hypot(rest[:, 0], rest[:, 1]).min()
