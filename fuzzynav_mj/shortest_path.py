@@ -41,7 +41,7 @@ def shortest_path(
     Returns:
         The length, m, and the (k, 2) corners of the path; `inf` and no corners without a path.
     """
-    blocked = shapely.union_all([_inflated(shape, clearance) for shape in static])
+    blocked = shapely.union_all([shape.inflated(clearance, ARC_SEGMENTS) for shape in static])
     nodes, before, after = _convex_corners(blocked)
     if bounds is not None:
         inside = _inside(nodes, bounds, clearance)
@@ -63,13 +63,6 @@ def shortest_path(
     while path[-1] != 0:
         path.append(int(predecessors[path[-1]]))
     return float(distances[1]), nodes[path[::-1]]
-
-
-def _inflated(shape: Shape, clearance: float) -> BaseGeometry:
-    if shape.circle is None:
-        return shape.footprint.buffer(clearance, quad_segs=ARC_SEGMENTS)
-    x, y, radius = shape.circle
-    return shapely.Point(x, y).buffer(radius + clearance, quad_segs=ARC_SEGMENTS)
 
 
 def _inside(

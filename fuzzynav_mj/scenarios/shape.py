@@ -38,6 +38,13 @@ class Shape:
         x, y, radius = self.circle
         return shapely.buffer(shapely.Point(x, y), radius, quad_segs=CIRCLE_QUADRANT_SEGMENTS)
 
+    def inflated(self, clearance: float, quadrant_segments: int) -> Polygon:
+        """The area within `clearance` (m) of the shape, its arcs as polygons inscribed in them."""
+        if self.circle is None:
+            return shapely.buffer(self.footprint, clearance, quad_segs=quadrant_segments)
+        x, y, radius = self.circle
+        return shapely.buffer(shapely.Point(x, y), radius + clearance, quad_segs=quadrant_segments)
+
     @property
     def radius(self) -> float:
         """Radius of the smallest circle about the frame's origin that holds the shape, m."""
