@@ -119,6 +119,7 @@ def _draw_motion(
     x_min, y_min, x_max, y_max = free.bounds
     corner, size = np.array([x_min, y_min]), np.array([x_max - x_min, y_max - y_min])
     unit_curves = _unit_curves(rng)
+    near_way = free.distance(shapely.LineString(ends)) < CORRIDOR
     fallback: ClosedCurveMotion | None = None
     for scale in SCALES:
         longest = np.minimum(size, scale * size.max())
@@ -130,7 +131,7 @@ def _draw_motion(
             motion = _motion(curve, speed, tightest, ends[0], keep_off, free, rng)
             if motion is None:
                 continue
-            if _distance_to_segment(motion.knots, ends).min() < CORRIDOR:
+            if not near_way or _distance_to_segment(motion.knots, ends).min() < CORRIDOR:
                 return motion
             fallback = fallback or motion
     return fallback
