@@ -211,12 +211,13 @@ def _decisions(sink: _Sink, steps: Sequence[StepRecord]) -> None:
     height = DECISION_HEIGHT / scale
     # Larger than a candidate and below it: seen as a black rim around the one taken.
     taken = tracks.next_positions(steps)
-    points(f"{MAGNIFIED}/next_position", taken, colours.BLACK, 0.02 / scale, 0.9 * height)
+    points(f"{MAGNIFIED}/next_position", taken, colours.BLACK, 0.017 / scale, 0.95 * height)
     weighed = tracks.candidates(steps)
+    admissible = weighed.values[:, 3] > 0.0
     dots = rr.Points3D.columns(
         positions=_level(weighed.values[:, :2], height),
-        colors=colours.risk_colours(weighed.values[:, 2]),
-        radii=np.where(weighed.values[:, 3] > 0.0, 0.013, 0.006) / scale,
+        colors=colours.candidate_colours(weighed.values[:, 2], admissible),
+        radii=np.where(admissible, 0.012, 0.008) / scale,
     )
     sink.rows(f"{MAGNIFIED}/candidates", dots.partition(weighed.lengths))
 
@@ -300,7 +301,7 @@ def _blueprint(world: "World", curves: Sequence[Curves]) -> rrb.Blueprint:
         background=background,
         line_grid=False,
         eye_controls=rrb.EyeControls3D(
-            position=(0.0, -0.75, 1.1), look_target=(0.0, 0.1, 0.0), eye_up=(0, 0, 1)
+            position=(0.0, -0.4, 1.3), look_target=(0.0, 0.06, 0.0), eye_up=(0, 0, 1)
         ),
         overrides={TRAIL: whole_trail},
     )

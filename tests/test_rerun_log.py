@@ -263,9 +263,9 @@ class TestReadBack:
         _, inks = rows(recording, entity, "Points3D:colors")
         positions = steps[4].decision.candidates.positions
         assert np.array(points[4])[:, :2] == pytest.approx(positions, abs=1e-6)
-        risky, unknown, _ = inks[4]
-        assert risky >> 8 == int("".join(f"{c:02x}" for c in risk_colour(28.0)), 16)
-        assert unknown >> 8 == int("".join(f"{c:02x}" for c in colours.GREY), 16)
+        wanted = (risk_colour(28.0), colours.SLATE, colours.BROWN)
+        for ink, colour in zip(inks[4], wanted, strict=True):
+            assert ink >> 8 == int("".join(f"{c:02x}" for c in colour), 16)
 
     def test_magnification_leaves_the_robot_in_place(self, recording, steps):
         entity = "/world/decision/magnified"
@@ -324,8 +324,9 @@ class TestReadBack:
         assert "/world/arena/walls" in entities
 
 
-def risk_colour(risk: float) -> tuple[int, ...]:
-    return tuple(int(channel) for channel in colours.risk_colours(np.array([risk]))[0])
+def risk_colour(risk: float, admissible: bool = True) -> tuple[int, ...]:
+    (colour,) = colours.candidate_colours(np.array([risk]), np.array([admissible]))
+    return tuple(int(channel) for channel in colour)
 
 
 class TestBareEpisodes:
@@ -443,8 +444,12 @@ class TestColours:
             colours.YELLOW,
             colours.VERMILLION,
         ]
-        assert risk_colour(math.nan) == colours.GREY
         assert risk_colour(25.0) == (120, 171, 122)
+
+    def test_admissibility_shows_only_where_the_risk_is_unknown(self):
+        assert risk_colour(math.nan, admissible=True) == colours.SLATE
+        assert risk_colour(math.nan, admissible=False) == colours.BROWN
+        assert risk_colour(50.0, admissible=False) == colours.YELLOW
 
 
 class TestEvents:

@@ -8,13 +8,12 @@ _LEGEND = f"""
 | blue body, yellow front | the robot; the square under it is its footprint |
 |---|---|
 | grey, orange | obstacles that stand still, and that move |
-| green | goal with its tolerance |
-| light blue | way travelled so far |
+| green, light blue | goal with its tolerance; way travelled so far |
 | thin circles | rings of the range sensor; nothing outside the outer one is seen |
-| red dots | what the range sensor hits now |
-| red arrows | where the robot expects movers within {PREDICTION_TIME:g} s |
-| dots about the robot | next positions weighed, drawn {MAGNIFICATION:g} times as far off; |
-| | blue, yellow, red by rising risk, grey if not evaluated |
+| red dots, arrows | what the sensor hits; where movers may be in {PREDICTION_TIME:g} s |
+| cluster of dots | next positions weighed, {MAGNIFICATION:g} times as far off as they are |
+| blue, yellow, red dot | next position of risk 0, 50, 100, if evaluated |
+| slate, brown dot | not evaluated: admissible, not admissible |
 | dot with a black rim | the next position taken |
 | purple dot | the subgoal that the robot heads for |
 """
