@@ -22,6 +22,7 @@ from fuzzynav_mj.planners.settings import DecisionSettings
 from fuzzynav_mj.planners.surroundings import surroundings
 from fuzzynav_mj.types import (
     Behaviour,
+    BoolArray,
     CandidateSet,
     Decision,
     FloatArray,
@@ -30,7 +31,8 @@ from fuzzynav_mj.types import (
     Pose2D,
 )
 
-
+EVASION_BONUS = 1.5  # periods
+SAME_EVASION = 0.8  # cosine of the largest angle between directions of one evasion
 STANDING = 0.03  # m or rad: a candidate that changes its pose by no more stands still
 
 
@@ -52,6 +54,7 @@ class MultilayerPlanner:
         self._spec = problem.spec
         self._guidance = Guidance(problem.goal, problem.goal_tolerance)
         self._travel: float | None = None
+        self._evading = False
         self._anchor: tuple[float, float, float] | None = None
 
     def decide(self, observation: Observation) -> Decision:
@@ -71,9 +74,11 @@ class MultilayerPlanner:
         moving_in_sight = any(obstacle.dynamic for obstacle in perception.obstacles)
         cost = self._cost(motions, outlook, target, pose, dock, moving_in_sight)
         candidates = _candidates(motions, outlook, cost, pose)
-        verdict = self._judge(_choose(cost, outlook), motions, candidates, pose, perception)
+        first = _choose(cost, outlook, self._kept(motions, pose))
+        verdict = self._judge(first, motions, candidates, pose, perception)
         chosen = verdict.chosen
         self._travel = float(motions.direction[chosen]) + pose.yaw
+        self._evading = not outlook.admissible[chosen]
         x, y = candidates.positions[chosen].tolist()
         return Decision(
             next_position=(x, y),
@@ -163,6 +168,13 @@ class MultilayerPlanner:
             spec.sensor_range,
         )
 
+    def _kept(self, motions: Motions, pose: Pose2D) -> BoolArray:
+        """(m,) True for the candidates that go on as the robot is evading now."""
+        if self._travel is None or not self._evading:
+            return np.zeros(len(motions.speed), dtype=bool)
+        alike: BoolArray = np.cos(motions.direction + pose.yaw - self._travel) > SAME_EVASION
+        return alike & (motions.speed != 0.0)
+
     def _give_up(
         self, observation: Observation, heading: Heading
     ) -> Literal["no_path", "stuck"] | None:
@@ -187,13 +199,18 @@ class _Verdict:
     vetoed: bool
 
 
-def _choose(cost: FloatArray, outlook: Outlook) -> int:
-    """The cheapest admissible candidate; none: the one that stays clear the longest."""
+def _choose(cost: FloatArray, outlook: Outlook, kept: BoolArray) -> int:
+    """The cheapest admissible candidate; none: the one that stays clear the longest.
+
+    Who evades keeps on (m,) `kept` unless another way stays clear for longer by more than a
+    period: turning to and fro between ways out takes away the time for any of them.
+    """
     if outlook.admissible.any():
         return int(np.where(outlook.admissible, cost, np.inf).argmin())
     if outlook.static_ok.any():
         room = np.minimum(outlook.static, outlook.moving)
-        order = np.lexsort((cost, -room.round(2), -outlook.contact_step))
+        clear = outlook.contact_step + EVASION_BONUS * kept
+        order = np.lexsort((cost, -room.round(2), -clear))
         return int(order[outlook.static_ok[order]][0])
     return int(outlook.soon.argmax())
 
