@@ -189,7 +189,7 @@ def _motions(sink: _Sink, steps: Sequence[StepRecord], movers: int) -> None:
     # One leg a step; the layout shows all of them up to the present.
     trail = _level(poses[:, :2], MARK_HEIGHT).astype(np.float32)
     legs = rr.LineStrips3D.columns(strips=np.stack([trail[:-1], trail[1:]], axis=1))
-    sink.static(TRAIL, rr.LineStrips3D.from_fields(colors=colours.SKY_BLUE, radii=0.012))
+    sink.static(TRAIL, rr.LineStrips3D.from_fields(colors=colours.SKY_BLUE, radii=0.025))
     sink.rows(TRAIL, legs, np.arange(1, len(steps)))
 
 
@@ -270,7 +270,8 @@ def _blueprint(world: "World", curves: Sequence[Curves]) -> rrb.Blueprint:
     scenario = world.scenario
     x_min, y_min, x_max, y_max = scenario.bounds
     x, y = (x_min + x_max) / 2, (y_min + y_max) / 2
-    size = max(x_max - x_min, y_max - y_min)
+    # The pane is twice as wide as high; the near edge of the floor fills it first.
+    size = max(0.82 * (x_max - x_min), y_max - y_min)
     background = rrb.Background((250, 250, 250))
     whole_trail = rrb.VisibleTimeRanges(
         [
@@ -288,8 +289,8 @@ def _blueprint(world: "World", curves: Sequence[Curves]) -> rrb.Blueprint:
         background=background,
         line_grid=False,
         eye_controls=rrb.EyeControls3D(
-            position=(x, y - 0.62 * size, 0.85 * size),
-            look_target=(x, y - 0.07 * size, 0.0),
+            position=(x, y - 0.64 * size, 0.59 * size),
+            look_target=(x, y - 0.19 * size, 0.0),
             eye_up=(0, 0, 1),
         ),
         overrides={TRAIL: whole_trail},
@@ -297,7 +298,7 @@ def _blueprint(world: "World", curves: Sequence[Curves]) -> rrb.Blueprint:
     robot = rrb.Spatial3DView(
         name="Around the robot",
         origin=FOLLOWER,
-        contents=["+ /world/**", f"- {FOLLOWER}/label"],
+        contents="/world/**",
         background=background,
         line_grid=False,
         eye_controls=rrb.EyeControls3D(
@@ -311,7 +312,7 @@ def _blueprint(world: "World", curves: Sequence[Curves]) -> rrb.Blueprint:
             name=title,
             origin=f"/{plot}",
             axis_y=rrb.ScalarAxis(range=(-3.0, 103.0)) if plot == "risk" else None,
-            plot_legend=rrb.PlotLegend("RightBottom", visible=plot != "clearance"),
+            plot_legend=rrb.PlotLegend(plots.LEGENDS[plot], visible=plot != "clearance"),
         )
         for plot, title in plots.TITLES.items()
         if plot in drawn

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -39,6 +40,13 @@ TITLES = {
     "fuzzy_inputs": "Fuzzy inputs (m): left, front, right; static, dynamic",
     "clearance": "Gap to the nearest obstacle (m)",
     "wheels": "Wheel speeds (rad/s)",
+}
+# Corners that the curves seldom visit: what happens at the end of a run matters most.
+LEGENDS: dict[str, Literal["LeftTop", "LeftBottom"]] = {
+    "risk": "LeftTop",
+    "fuzzy_inputs": "LeftBottom",
+    "clearance": "LeftBottom",
+    "wheels": "LeftBottom",
 }
 
 

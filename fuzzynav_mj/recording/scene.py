@@ -1,8 +1,8 @@
 """What stands in a recording's scene, or moves there as a whole.
 
-What lies under `ROBOT` is given in the robot's frame, under `FOLLOWER` in a frame that moves with
-the robot but does not turn, and under `MOVING` in the obstacles' own frames. What lies under
-`MAGNIFIED` is seen `MAGNIFICATION` times as far from the robot as it is.
+What lies under `ROBOT` is given in the robot's frame, and under `MOVING` in the obstacles' own
+frames. What lies under `MAGNIFIED` is seen `MAGNIFICATION` times as far from the robot as it is.
+`FOLLOWER` is a frame that moves with the robot but does not turn.
 """
 
 from collections.abc import Iterator
@@ -90,7 +90,7 @@ def arena(world: "World") -> Iterator[Solid | Lines | Label]:
         yield Solid(f"{MOVING}/{index}", mesh, colours.ORANGE)
 
 
-def robot_parts(robot: RobotSpec) -> Iterator[Solid | Lines | Label]:
+def robot_parts(robot: RobotSpec) -> Iterator[Solid | Lines]:
     """The robot with its front marked, its footprint, and how far it sees."""
     half, radius = robot.half_side, robot.wheel_radius
     wheel_width = 0.024
@@ -109,5 +109,3 @@ def robot_parts(robot: RobotSpec) -> Iterator[Solid | Lines | Label]:
     rings = tuple(circle_outline((0.0, 0.0), ring, MARK_HEIGHT) for ring in robot.rings)
     yield Lines(f"{ROBOT}/footprint", (square,), colours.BLUE, 0.004)
     yield Lines(f"{ROBOT}/range", rings, colours.GREY, 0.004)
-    beside = (0.0, robot.sensor_range + 0.3, 0.0)
-    yield Label(f"{FOLLOWER}/label", "robot", beside)
