@@ -67,7 +67,7 @@ def write_recording(
         steps: what happened, in order of time.
         record: the episode's numbers; they become properties of the recording.
         robot: the robot's measures.
-        risk_limit: the gate's limit, drawn with the risk; 76 in section 4 of the paper.
+        risk_limit: the gate's limit, for plot and events; 76 in section 4 of the paper.
 
     Raises:
         FuzzyNavError: the file cannot be written, or the environment turns recordings off.
@@ -145,7 +145,7 @@ def _encode(
     curves = plots.all_curves(steps, record.sim_time_s, risk_limit)
     for group in curves:
         _plot(sink, group)
-    _texts(sink, steps, record)
+    _texts(sink, steps, record, risk_limit)
     stream.send_blueprint(_blueprint(world, curves))
     data = memory.drain_as_bytes()
     stream.disconnect()
@@ -248,7 +248,9 @@ def _plot(sink: _Sink, curves: Curves) -> None:
     sink.rows(curves.entity, columns.partition(lengths), curves.steps, curves.times)
 
 
-def _texts(sink: _Sink, steps: Sequence[StepRecord], record: EpisodeRecord) -> None:
+def _texts(
+    sink: _Sink, steps: Sequence[StepRecord], record: EpisodeRecord, risk_limit: float
+) -> None:
     kinds = list(Behaviour)
     states = rr.StateConfiguration(
         values=[kind.value for kind in kinds],
@@ -260,7 +262,7 @@ def _texts(sink: _Sink, steps: Sequence[StepRecord], record: EpisodeRecord) -> N
     entered = [steps[index].decision.behaviour.value for index in changes]
     sink.rows("/behaviour", rr.StateChange.columns(state=entered), np.array(changes, dtype=np.intp))
 
-    events = tracks.events(steps, record)
+    events = tracks.events(steps, record, risk_limit)
     lines = rr.TextLog.columns(text=[e.text for e in events], level=[e.level for e in events])
     numbers = np.array([event.step for event in events], dtype=np.intp)
     sink.rows("/events", lines, numbers, np.array([event.time for event in events]))

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -302,6 +303,7 @@ class TestReadBack:
             (3, "keeps to the left"),
             (5, "behaviour: dynamic avoidance"),
             (11, "the gate changed the next position; its risk is now 77"),
+            (11, "risk 77: no alternative below 76"),
             (11, "contact with moving:1; the robot moved (0.40 m/s)"),
             (11, "the episode ends: contact"),
         ]
@@ -455,10 +457,46 @@ class TestColours:
 class TestEvents:
     def test_note_is_told_when_it_changes(self, world):
         steps = [make_step(index, world) for index in (0, 3, 4, 0, 3)]
-        texts = [event.text for event in tracks.events(steps, make_record(Outcome.STUCK))]
+        texts = [event.text for event in tracks.events(steps, make_record(Outcome.STUCK), 76.0)]
         assert texts == [
             "behaviour: goal seeking",
             "keeps to the left",
             "keeps to the left",
             "the episode ends: stuck",
         ]
+
+    @staticmethod
+    def warnings(decisions: list[Decision], limit: float) -> list[tuple[int, str]]:
+        world = make_world()
+        steps = [replace(make_step(0, world), decision=decision) for decision in decisions]
+        found = tracks.events(steps, make_record(Outcome.STUCK), limit)
+        return [(event.step, event.text) for event in found if event.level == "WARN"]
+
+    @staticmethod
+    def weighing(taken: float, other: float, other_admissible: bool = True) -> Decision:
+        found = CandidateSet(
+            positions=np.zeros((2, 2)),
+            admissible=np.array([True, other_admissible]),
+            clearance=np.ones(2),
+            cost=np.array([1.0, 2.0]),
+            risk=np.array([taken, other]),
+        )
+        return Decision((0.0, 0.0), Behaviour.EVASION, risk=taken, candidates=found)
+
+    def test_risk_above_the_limit_is_told_once_per_run(self):
+        low, high, higher = (self.weighing(risk, 90.0) for risk in (76.0, 77.0, 84.0))
+        assert self.warnings([high, higher, low, higher, high], 76.0) == [
+            (0, "risk 77: no alternative below 76"),
+            (3, "risk 84: no alternative below 76"),
+        ]
+        assert self.warnings([high, higher], 80.0) == [(1, "risk 84: no alternative below 80")]
+
+    @pytest.mark.parametrize(
+        ("other", "admissible", "told"),
+        [(70.0, True, False), (70.0, False, True), (77.0, True, True), (math.nan, True, True)],
+    )
+    def test_only_evaluated_admissible_alternatives_count(self, other, admissible, told):
+        assert bool(self.warnings([self.weighing(84.0, other, admissible)], 76.0)) == told
+
+    def test_without_gate_no_risk_is_told(self):
+        assert self.warnings([Decision((0.0, 0.0), Behaviour.WAITING)], 76.0) == []

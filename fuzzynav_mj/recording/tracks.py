@@ -140,15 +140,23 @@ def behaviour_changes(steps: Sequence[StepRecord]) -> list[int]:
     return [index for index, (old, new) in enumerate(pairwise(kinds)) if old is not new]
 
 
-def events(steps: Sequence[StepRecord], record: EpisodeRecord) -> list[Event]:
-    """Changes of behaviour, new notes, vetoes, contacts and the outcome, in order of time."""
+def events(steps: Sequence[StepRecord], record: EpisodeRecord, risk_limit: float) -> list[Event]:
+    """What is worth a line, in order of time.
+
+    Changes of behaviour, vetoes, new notes, contacts and the outcome; and the first decision of
+    each run of decisions that took a risk above `risk_limit` for want of an alternative.
+    """
     changes = set(behaviour_changes(steps))
     found = []
-    note = ""
+    note, was_cornered = "", False
     for index, step in enumerate(steps):
         for level, text in _decision_texts(step.decision, index in changes, note):
             found.append(Event(index, step.time, level, text))
-        note = step.decision.note
+        cornered = _cornered(step.decision, risk_limit)
+        if cornered and not was_cornered:
+            text = f"risk {step.decision.risk:.0f}: no alternative below {risk_limit:g}"
+            found.append(Event(index, step.time, "WARN", text))
+        note, was_cornered = step.decision.note, cornered
     end = max(len(steps) - 1, 0)
     for contact in record.contacts:
         fault = "the robot moved" if contact.at_fault else "the robot stood"
@@ -162,6 +170,17 @@ def events(steps: Sequence[StepRecord], record: EpisodeRecord) -> list[Event]:
 def spoken(name: str) -> str:
     """An identifier as words."""
     return name.replace("_", " ")
+
+
+def _cornered(decision: Decision, risk_limit: float) -> bool:
+    """True if the risk is above the limit and that of every admissible alternative too.
+
+    Alternatives whose risk was not evaluated do not count: the gate did not have them to choose.
+    """
+    found = decision.candidates
+    if found is None or not decision.risk > risk_limit:
+        return False
+    return not np.any(found.admissible & (found.risk <= risk_limit))
 
 
 def _decision_texts(
