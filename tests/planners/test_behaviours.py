@@ -172,7 +172,7 @@ def nearest_approach(steps: tuple[StepRecord, ...]) -> float:
     return min(float(np.hypot(*(step.mover_positions[0] - 3.0))) for step in steps)
 
 
-@pytest.mark.parametrize("aside", [-0.1, 0.0, 0.1])
+@pytest.mark.parametrize("aside", [0.0, 0.1])
 @pytest.mark.parametrize("degrees", [0.0, 50.0, 130.0, 180.0, 260.0])
 def test_parked_robot_makes_way(tmp_path: Path, degrees: float, aside: float) -> None:
     """Run into at the robot's own top speed, from all sides: it gets out of the way in time."""
