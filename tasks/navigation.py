@@ -148,19 +148,17 @@ class NavigateToGoal(composer.Task):
         ]
         self._wheel_dofs = np.array([int(wheel.dofadr[0]) for wheel in wheels])
         self._ctrl = data.ctrl
-        self._ctrl_order = [
-            model.actuator(actuator.full_identifier).id for actuator in self._robot.actuators
-        ]
+        actuators = [model.actuator(a.full_identifier).id for a in self._robot.actuators]
+        self._wheel_order = np.argsort(actuators)  # the wheel behind each actuator
         hit = model.sensor(self._robot.mjcf_model.find("sensor", "hit").full_identifier)
         self._hit = data.sensordata[int(hit.adr[0]) : int(hit.adr[0]) + 1]
         self._hull = model.geom(self._robot.mjcf_model.find("geom", "hull").full_identifier).id
-        self._mover_order = np.array(
-            [
-                int(model.body_mocapid[model.body(body.full_identifier).id])
-                for body in self._arena.mover_bodies
-            ],
-            dtype=int,
-        )
+        mocap_ids = [
+            int(model.body_mocapid[model.body(body.full_identifier).id])
+            for body in self._arena.mover_bodies
+        ]
+        self._mocap_order = np.argsort(mocap_ids)  # the mover behind each mocap body
+        self._mocap_places = data.mocap_pos[:, :2]
         self._scan: LaserScan | None = None
 
     def initialize_episode(
@@ -180,7 +178,7 @@ class NavigateToGoal(composer.Task):
         physics.data.ptr.qpos[self._place_slice] = (
             start.x, start.y, 0.0, cos(start.yaw / 2), 0.0, 0.0, sin(start.yaw / 2)
         )  # fmt: skip
-        self._set_movers(self._mover_rows(0, 1)[0])
+        self._mocap_places[:] = self._mover_rows(0, 1)[0].take(self._mocap_order, axis=0)
         self._scan = None
         self.block: BlockTruth | None = None
 
@@ -207,14 +205,16 @@ class NavigateToGoal(composer.Task):
         model, data = self._model, self._data
         steps = self.spec.substeps
         movers = self._mover_rows(self._step + 1, steps)
-        wheels = wheel_table(self.profile, self.spec)
+        mocap = movers.take(self._mocap_order, axis=1)
+        wheels = wheel_table(self.profile, self.spec).take(self._wheel_order, axis=1)
         places, speeds = np.empty((steps, 7)), np.empty((steps, model.nv))
-        hit, ctrl, place, speed = self._hit, self._ctrl, self._place, data.qvel
+        hit, ctrl, mocap_places = self._hit, self._ctrl, self._mocap_places
+        place, speed = self._place, data.qvel
         taken = 0
         for index in range(steps):
-            ctrl[self._ctrl_order] = wheels[index]
+            ctrl[:] = wheels[index]
             mujoco.mj_step2(model, data)
-            self._set_movers(movers[index])
+            mocap_places[:] = mocap[index]
             mujoco.mj_step1(model, data)
             places[index] = place
             speeds[index] = speed
@@ -238,10 +238,6 @@ class NavigateToGoal(composer.Task):
             self._table = np.stack(rows, axis=1) if rows else np.empty((len(times), 0, 2))
             self._table_start, offset = first, 0
         return self._table[offset : offset + count]
-
-    def _set_movers(self, positions: FloatArray) -> None:
-        if len(positions):
-            self._data.mocap_pos[self._mover_order, :2] = positions
 
     def _block_truth(
         self, places: FloatArray, speeds: FloatArray, movers: FloatArray

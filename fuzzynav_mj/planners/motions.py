@@ -6,6 +6,7 @@ the present yaw rate, so headings come from a table; speeds and places are rolle
 
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 from math import pi
 
 import numpy as np
@@ -148,9 +149,11 @@ def _roll(rows: IntArray, aim: FloatArray, twist: Twist2D, spec: RobotSpec) -> n
         speeds.append(np.minimum(np.maximum(wanted, speed - change), speed + change))
     ends = np.array(speeds)
     mean = (ends[:-1] + ends[1:]) / 2
-    velocity = np.array((c * mean + aside_x, s * mean + aside_y))
-    places = (velocity * table.span[:, None]).cumsum(axis=1)
+    velocity = np.stack((c * mean + aside_x, s * mean + aside_y), axis=1)
+    places = velocity * table.span[:, None, None]  # (steps, 2, m)
+    for before, place in pairwise(places):
+        place += before
     poses = np.empty((3, HORIZON, len(rows)), dtype=np.float32)
-    poses[:2] = places.take(table.whole, axis=1)
+    poses[:2] = places.take(table.whole, axis=0).transpose(1, 0, 2)
     poses[2] = yaw.take(table.whole, axis=0)
     return poses.T

@@ -69,6 +69,9 @@ def split_by_motion(
     first = hits.first
     if len(first) == 0:
         return np.empty(0, dtype=np.intp), flags
+    if len(expected) == 0 and not (flags == MOVING).any():
+        begin = first.nonzero()[0]
+        return begin, np.full(len(begin), STATIC)
     flags = _whole_movers(hits, _drop_lone(first, flags), expected, mover_extent)
     flags = _fill_unknown(first, flags)
     before, _ = neighbours(len(first))
@@ -80,8 +83,6 @@ def _whole_movers(
     hits: Hits, flags: IntArray, expected: FloatArray, mover_extent: float
 ) -> IntArray:
     moves = flags == MOVING
-    if len(expected) == 0 and not moves.any():
-        return flags
     begin = hits.first.nonzero()[0]
     group = hits.first.cumsum() - 1
     size = np.bincount(group)
