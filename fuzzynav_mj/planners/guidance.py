@@ -35,6 +35,8 @@ class GuidanceSettings:
         tight_penalty: detour that is preferred to a tight passage.
         search_gain: what a searched way must promise to save before a search is made.
         gain: how much nearer to the goal than all of the boundary a way must lead to leave it.
+        patience: length of boundary after which a smaller gain will do.
+        settling: length after which the robot surely drives along the boundary.
         loop_radius: how near to its start a followed boundary counts as closed.
         loop_length: shortest boundary that can be closed.
     """
@@ -44,6 +46,8 @@ class GuidanceSettings:
     tight_penalty: float = 0.10
     search_gain: float = 0.15
     gain: float = 0.15
+    patience: float = 6.0
+    settling: float = 0.6
     loop_radius: float = 0.25
     loop_length: float = 1.5
 
@@ -54,9 +58,10 @@ class Following:
 
     Attributes:
         side: +1 if the robot turned left at the boundary (which stays on its right), else -1.
-        start: (x, y) where following began.
+        start: (x, y) where the robot first drove along the boundary.
         edge: (x, y) a point of the boundary next to the way taken.
         nearest: smallest distance to the goal of any point seen of the boundary, m.
+        reached: smallest distance to the goal of the robot itself while following, m.
         length: distance travelled along the boundary since `start`, m; driving back counts back.
         farthest: largest distance from `start` so far, m.
         direction: unit vector of the way taken last.
@@ -66,6 +71,7 @@ class Following:
     start: tuple[float, float]
     edge: tuple[float, float]
     nearest: float
+    reached: float
     length: float = 0.0
     farthest: float = 0.0
     direction: tuple[float, float] = (0.0, 0.0)
@@ -139,13 +145,15 @@ class Guidance:
             following = self._begin(place, goal, distance, sight, self._kept(sight, ways, best))
         else:
             along = following.direction
-            following.length += step[0] * along[0] + step[1] * along[1]
-            gaining = ways.open & (left_over < following.nearest - self._settings.gain)
+            gone = step[0] * along[0] + step[1] * along[1]
+            following.length += gone
+            following.reached = min(following.reached, distance)
+            gaining = ways.open & (left_over < self._to_beat(following) - self._settings.gain)
             if gaining.any():
                 self._following = None
                 best = int(np.where(gaining, cost, np.inf).argmin())
                 return self._heading(place, ways.first_point(best), "goal")
-            self._watch_loop(place, following)
+            self._watch_loop(place, gone, following)
         chosen = self._along(place, sight, ways, following)
         bearing = float(sight.bearings[chosen])
         following.direction = (cos(bearing), sin(bearing))
@@ -184,7 +192,7 @@ class Guidance:
         following = self._following
         if (
             following is not None
-            and distance - sight.max_range >= following.nearest - self._settings.gain
+            and distance - sight.max_range >= self._to_beat(following) - self._settings.gain
         ):
             return False
         width = self._settings.comfortable
@@ -239,10 +247,20 @@ class Guidance:
             place[0] + ahead * float(np.cos(bearing)),
             place[1] + ahead * float(np.sin(bearing)),
         )
-        self._following = Following(1 if turn >= 0 else -1, place, edge, distance)
+        self._following = Following(1 if turn >= 0 else -1, place, edge, distance, distance)
         self._bearing = None
         self._watch_boundary(place, goal, sight, self._following)
         return self._following
+
+    def _to_beat(self, following: Following) -> float:
+        """Distance to the goal that a way must undercut for the boundary to be left, m.
+
+        At first that of all of the boundary that was seen, as in TangentBug, so that a pocket is
+        not entered twice. Part of another obstacle may have been taken for it, though: after a
+        long while the robot's own smallest distance counts, as in DistBug.
+        """
+        patient = following.length < self._settings.patience
+        return following.nearest if patient else following.reached
 
     def _watch_boundary(
         self, place: tuple[float, float], goal: FloatArray, sight: Sight, following: Following
@@ -255,7 +273,9 @@ class Guidance:
         left_over = np.hypot(part[:, 0] - goal[0], part[:, 1] - goal[1])
         following.nearest = min(following.nearest, float(left_over.min()))
 
-    def _watch_loop(self, place: tuple[float, float], following: Following) -> None:
+    def _watch_loop(self, place: tuple[float, float], gone: float, following: Following) -> None:
+        if gone > 0.0 and following.length < self._settings.settling:
+            following.start = place  # only now does the robot drive along the boundary
         away = hypot(place[0] - following.start[0], place[1] - following.start[1])
         following.farthest = max(following.farthest, away)
         settings = self._settings

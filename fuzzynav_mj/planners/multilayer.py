@@ -152,6 +152,9 @@ class MultilayerPlanner:
         alternatives = self._distances(pool, candidates, travel, perception)
         risks[pool] = self._gate.risks(alternatives)
         worth = np.where(np.isnan(risks[pool]), np.inf, risks[pool])
+        if np.isinf(worth).all():
+            # No rule speaks of any alternative: nothing is known to be safe, so stand still.
+            return _Verdict(len(risks) - 1, risks, inputs, True)
         best = int(np.lexsort((candidates.cost[pool], worth.round(1)))[0])
         taken = int(pool[best])
         return _Verdict(taken, risks, as_fuzzy_inputs(alternatives[best]), taken != chosen)
@@ -172,8 +175,9 @@ class MultilayerPlanner:
         """(m,) True for the candidates that go on as the robot is evading now."""
         if self._travel is None or not self._evading:
             return np.zeros(len(motions.speed), dtype=bool)
-        alike: BoolArray = np.cos(motions.direction + pose.yaw - self._travel) > SAME_EVASION
-        return alike & (motions.speed != 0.0)
+        alike = np.cos(motions.direction + pose.yaw - self._travel) > SAME_EVASION
+        kept: BoolArray = alike & (motions.speed != 0.0)
+        return kept
 
     def _give_up(
         self, observation: Observation, heading: Heading

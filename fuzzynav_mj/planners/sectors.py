@@ -5,7 +5,7 @@ direction of travel: front within 45 degrees of it, left and right the rest up t
 Of more than three static (or dynamic) obstacles the nearest three count, as in the paper.
 """
 
-from math import hypot, pi
+from math import pi
 
 import numpy as np
 
@@ -62,9 +62,3 @@ def _nearest_offset(places: FloatArray, obstacle: PerceivedObstacle, ahead: floa
 def as_fuzzy_inputs(row: FloatArray) -> FuzzyInputs:
     """The record of one row of `sector_distances`."""
     return FuzzyInputs(*(float(value) for value in row))
-
-
-def travel_direction(start: tuple[float, float], end: FloatArray, yaw: float) -> float:
-    """Direction from `start` to `end`; the heading where the two coincide."""
-    dx, dy = float(end[0]) - start[0], float(end[1]) - start[1]
-    return yaw if hypot(dx, dy) < 1e-6 else float(np.arctan2(dy, dx))

@@ -154,9 +154,6 @@ def test_no_way_is_found_out_by_closing_the_loop_both_ways(name: str) -> None:
     assert counts.count(0) > 30 and counts.count(1) > 30
 
 
-@pytest.mark.xfail(
-    strict=True, reason="a loop passes where following began at too great a distance"
-)
 def test_loop_is_closed_though_it_was_begun_far_from_the_boundary() -> None:
     assert go(LARGE_CELL, steps=600).headings[-1].closed_loops == 2
 
