@@ -20,11 +20,10 @@ from fuzzynav_mj.results import (
     write_table,
 )
 from fuzzynav_mj.runner import versions
-from fuzzynav_mj.scenarios import library_names, load_scenario
+from fuzzynav_mj.scenarios import PAPER_SCENARIOS, library_names, load_scenario
 from fuzzynav_mj.scenarios.schema import Scenario
 from fuzzynav_mj.summary import HEADINGS, markdown, summarise, table_cells
 
-PAPER_SCENARIOS = ("concave", "convex", "maze", "narrow")
 INTERRUPTED = 130
 FAILURES_SHOWN = 10
 

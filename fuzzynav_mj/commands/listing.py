@@ -7,13 +7,13 @@ import numpy as np
 
 from fuzzynav_mj.errors import FuzzyNavError
 from fuzzynav_mj.planners import PLANNERS, make_planner
-from fuzzynav_mj.scenarios import library_names, load_scenario
+from fuzzynav_mj.scenarios import PAPER_SCENARIOS, library_names, load_scenario
 from fuzzynav_mj.scenarios.world import make_world
 
 
 def list_scenarios() -> int:
-    """Print the library's scenarios, one a line: name and description."""
-    names = library_names()
+    """Print the library's scenarios, one a line, the paper's four first: name and description."""
+    names = PAPER_SCENARIOS + tuple(n for n in library_names() if n not in PAPER_SCENARIOS)
     width = max(map(len, names))
     for name in names:
         print(f"{name:<{width}}  {load_scenario(name).description}")

@@ -2,4 +2,6 @@
 
 from fuzzynav_mj.scenarios.loading import library_names, load_scenario
 
-__all__ = ["library_names", "load_scenario"]
+__all__ = ["PAPER_SCENARIOS", "library_names", "load_scenario"]
+
+PAPER_SCENARIOS = ("concave", "convex", "maze", "narrow")  # the library's others are single hazards
