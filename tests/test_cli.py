@@ -281,7 +281,9 @@ def test_a_recording_that_cannot_be_written_is_found_before_the_episode(
 def test_list_prints_a_name_and_what_it_is_on_every_line(capsys):
     assert main(["list", "scenarios"]) == 0
     scenarios = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in scenarios] == list(library_names())
+    names = [line.split()[0] for line in scenarios]
+    assert names[:4] == ["concave", "convex", "maze", "narrow"]
+    assert sorted(names) == list(library_names())
     assert main(["list", "planners"]) == 0
     planners = capsys.readouterr().out.splitlines()
     assert "fuzzy" in [line.split()[0] for line in planners]
