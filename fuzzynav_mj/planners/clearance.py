@@ -11,9 +11,10 @@ def static_clearance(poses: np.ndarray, points: FloatArray, half_side: float) ->
     """(m, T) float32 gaps between the square at `poses` (m, T, 3) and the nearest point (k, 2)."""
     if len(points) == 0:
         return np.full(poses.shape[:2], FAR)
-    x, y, yaw = poses.T  # (T, m) each
-    gaps = _nearest_gaps(x.ravel(), y.ravel(), yaw.ravel(), points, half_side)
-    return gaps.reshape(x.shape).T
+    # What stands is met at any time: all poses in one row.
+    x, y, yaw = poses.T.reshape(3, 1, -1)
+    gaps = _nearest_gaps(x, y, yaw, points[None], half_side)
+    return gaps.reshape(poses.shape[1::-1]).T
 
 
 def moving_clearance(poses: np.ndarray, places: FloatArray, half_side: float) -> np.ndarray:
@@ -28,20 +29,20 @@ def moving_clearance(poses: np.ndarray, places: FloatArray, half_side: float) ->
 def _nearest_gaps(
     x: np.ndarray, y: np.ndarray, yaw: np.ndarray, points: FloatArray, half_side: float
 ) -> np.ndarray:
-    """(..., n) gaps between squares at x, y, yaw (..., n) and the nearest of points (..., k, 2)."""
+    """(T, n) gaps between squares at x, y, yaw (T, n) and the nearest of points (T, k, 2)."""
     c, s = np.cos(yaw), np.sin(yaw)
     half = np.float32(half_side)
-    spots = np.ones((*points.shape[:-1], 3), dtype=np.float32)  # homogeneous
+    spots = np.ones((*points.shape[:2], 3), dtype=np.float32)  # homogeneous
     spots[..., :2] = points
-    # The largest arrays of a decision, (..., k, n): as few passes over them as possible.
-    forward = spots @ np.stack((c, s, -(c * x + s * y)), axis=-2)
+    # The largest arrays of a decision, (T, k, n): as few passes over them as possible.
+    forward = spots @ np.array((c, s, -(c * x + s * y))).transpose(1, 0, 2)
     within = np.clip(forward, -half, half)
     forward -= within
     forward *= forward
-    left = spots @ np.stack((-s, c, s * x - c * y), axis=-2)
+    left = spots @ np.array((-s, c, s * x - c * y)).transpose(1, 0, 2)
     np.clip(left, -half, half, out=within)
     left -= within
     left *= left
     forward += left
-    nearest: np.ndarray = np.sqrt(forward.min(axis=-2))
+    nearest: np.ndarray = np.sqrt(forward.min(axis=1))
     return nearest

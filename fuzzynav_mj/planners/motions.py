@@ -149,8 +149,9 @@ def _roll(rows: IntArray, aim: FloatArray, twist: Twist2D, spec: RobotSpec) -> n
         speeds.append(np.minimum(np.maximum(wanted, speed - change), speed + change))
     ends = np.array(speeds)
     mean = (ends[:-1] + ends[1:]) / 2
-    velocity = np.stack((c * mean + aside_x, s * mean + aside_y), axis=1)
-    places = velocity * table.span[:, None, None]  # (steps, 2, m)
+    places = np.empty((len(drive), 2, len(rows)))
+    places[:, 0] = (c * mean + aside_x) * table.span[:, None]
+    places[:, 1] = (s * mean + aside_y) * table.span[:, None]
     for before, place in pairwise(places):
         place += before
     poses = np.empty((3, HORIZON, len(rows)), dtype=np.float32)

@@ -36,27 +36,26 @@ def sector_distances(
     chosen = [o for o in ranked if not o.dynamic][:3] + [o for o in ranked if o.dynamic][:3]
     if not chosen:
         return inputs
-    # (2, m, obstacles) offsets of the nearest point of each.
-    nearest = np.stack([_nearest_offset(places, o, ahead) for o in chosen], axis=2)
-    distance = np.sqrt(nearest[0] ** 2 + nearest[1] ** 2)
-    bearing = (np.arctan2(nearest[1], nearest[0]) - travel[:, None] + pi) % (2 * pi) - pi
+    offsets = np.array([_nearest_offset(places, o, ahead) for o in chosen])
+    dx, dy = offsets.T  # (m, obstacles) each
+    distance = np.sqrt(dx**2 + dy**2)
+    bearing = (np.arctan2(dy, dx) - travel[:, None] + pi) % (2 * pi) - pi
     side = np.where(np.abs(bearing) <= FRONT, 1, np.where(bearing > 0, 0, 2))
-    column = side + np.array([3 * o.dynamic for o in chosen])
+    column = side + np.array([3 if o.dynamic else 0 for o in chosen])
     seen = np.where(distance < max_range, distance, CLEAR)
     np.minimum.at(inputs, (np.arange(len(places))[:, None], column), seen)
     return inputs
 
 
 def _nearest_offset(places: FloatArray, obstacle: PerceivedObstacle, ahead: float) -> FloatArray:
-    """(2, m) from each place to the obstacle's point nearest to it, `ahead` seconds on."""
+    """(m, 2) from each place to the obstacle's point nearest to it, `ahead` seconds on."""
     x, y = obstacle.points.T
     if obstacle.dynamic:
         vx, vy = obstacle.velocity.tolist()
         x, y = x + vx * ahead, y + vy * ahead
     dx, dy = x - places[:, :1], y - places[:, 1:]
     nearest = (dx**2 + dy**2).argmin(axis=1)
-    rows = np.arange(len(places))
-    return np.array((dx[rows, nearest], dy[rows, nearest]))
+    return np.array((x.take(nearest), y.take(nearest))).T - places
 
 
 def as_fuzzy_inputs(row: FloatArray) -> FuzzyInputs:
