@@ -142,7 +142,8 @@ class Guidance:
             if left_over[best] < distance and not self._turned_back(bearing):
                 self._bearing = bearing
                 return self._heading(place, ways.first_point(best), "goal")
-            following = self._begin(place, goal, distance, sight, self._kept(sight, ways, best))
+            chosen = self._kept(sight, ways, best)
+            following = self._begin(place, goal, sight, ways, chosen)
         else:
             along = following.direction
             gone = step[0] * along[0] + step[1] * along[1]
@@ -154,7 +155,7 @@ class Guidance:
                 best = int(np.where(gaining, cost, np.inf).argmin())
                 return self._heading(place, ways.first_point(best), "goal")
             self._watch_loop(place, gone, following)
-        chosen = self._along(place, sight, ways, following)
+            chosen = self._along(place, sight, ways, following)
         bearing = float(sight.bearings[chosen])
         following.direction = (cos(bearing), sin(bearing))
         return self._heading(place, ways.first_point(chosen), "boundary")
@@ -235,19 +236,18 @@ class Guidance:
         self,
         place: tuple[float, float],
         goal: FloatArray,
-        distance: float,
         sight: Sight,
-        best: int,
+        ways: Ways,
+        chosen: int,
     ) -> Following:
-        bearing = atan2(goal[1], goal[0])
-        turn = (float(sight.bearings[best]) - bearing + pi) % (2 * pi) - pi
-        ray = _ray(bearing, sight)
-        ahead = min(float(sight.ranges[ray]), sight.max_range)
-        edge = (
-            place[0] + ahead * float(np.cos(bearing)),
-            place[1] + ahead * float(np.sin(bearing)),
-        )
-        self._following = Following(1 if turn >= 0 else -1, place, edge, distance, distance)
+        """Begins to follow the boundary between the goal's direction and the way chosen."""
+        turn = (float(sight.bearings[chosen]) - atan2(goal[1], goal[0]) + pi) % (2 * pi) - pi
+        side = 1 if turn >= 0 else -1
+        back = (chosen - side * np.arange(len(sight.bearings))) % len(sight.bearings)
+        closed = int(back[int(ways.open[back].argmin())])
+        edge = _blocking_point(place, sight, closed)
+        distance = float(np.hypot(*goal))
+        self._following = Following(side, place, edge, distance, distance)
         self._bearing = None
         self._watch_boundary(place, goal, sight, self._following)
         return self._following
