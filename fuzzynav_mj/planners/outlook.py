@@ -61,7 +61,7 @@ def look_ahead(
     static, blocked = _static(motions, around.sight.points @ to_robot.T, times, spec, settings)
     blocked |= _unseen(motions.poses, around.sight, pose)
     first = np.where(blocked.any(axis=1), blocked.argmax(axis=1), HORIZON)
-    last = first - 1 - motions.brake_steps
+    last = first - 1 - np.maximum(motions.brake_steps, _spin_steps(motions.poses, first, spec))
     stops = np.where(first == HORIZON, HORIZON - 1, np.maximum(last, 0))
     steps = np.minimum(np.arange(HORIZON), stops[:, None])
     rows = np.arange(len(stops))[:, None]
@@ -103,6 +103,15 @@ def _static(
     regained = gap_now - 0.002 + settings.static_recovery * speed * times
     gaps = static_clearance(motions.poses, standing, spec.half_side)
     return gaps, gaps < np.minimum(margin, regained)
+
+
+def _spin_steps(poses: np.ndarray, first: IntArray, spec: RobotSpec) -> IntArray:
+    """(m,) periods it takes to stop turning at the pace of period `first` (m,), rounded up."""
+    turned = np.abs(np.diff(poses[..., 2], axis=1, prepend=np.float32(0.0)))
+    pace = turned[np.arange(len(first)), np.minimum(first, HORIZON - 1)]
+    slowing = spec.max_yaw_acceleration * spec.decision_period**2
+    steps: IntArray = np.ceil(pace / slowing - 1e-3).astype(np.intp)
+    return steps
 
 
 def _unseen(poses: np.ndarray, sight: Sight, pose: Pose2D) -> BoolArray:
