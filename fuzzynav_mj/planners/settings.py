@@ -36,7 +36,7 @@ class DecisionSettings:
     moving_margin: float = 0.06
     moving_margin_growth: float = 0.03
     contact_gap: float = 0.01
-    moving_gap: float = 0.10
+    moving_gap: float = 0.13
     moving_gap_growth: float = 0.10
     moving_gap_time: float = 1.0
     moving_weight: float = 1.0
