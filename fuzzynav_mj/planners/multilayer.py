@@ -156,9 +156,8 @@ class MultilayerPlanner:
             # No rule speaks of any alternative: nothing is known to be safe, so stand still.
             return _Verdict(len(risks) - 1, risks, inputs, True)
         best = int(np.lexsort((candidates.cost[pool], worth.round(1)))[0])
-        taken, inputs = int(pool[best]), as_fuzzy_inputs(alternatives[best])
-        risks[taken] = self._gate.risk(inputs)  # the last digit as `explain` tells it
-        return _Verdict(taken, risks, inputs, taken != chosen)
+        taken = int(pool[best])
+        return _Verdict(taken, risks, as_fuzzy_inputs(alternatives[best]), taken != chosen)
 
     def _distances(
         self, rows: np.ndarray, candidates: CandidateSet, travel: FloatArray, seen: Perception
