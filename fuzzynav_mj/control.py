@@ -7,6 +7,7 @@ so what a planner rolls out is what the wheels are told.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import copysign, cos, hypot, sin, sqrt
 
 import numpy as np
@@ -57,16 +58,22 @@ def final_speed(mean: float, start: float, reach: float) -> float:
 def ramp(start: float, end: float, slope: float, period: float, steps: int) -> FloatArray:
     """(steps,) speeds that lead from `start` to `end` with the given slope (per second)."""
     span = min(abs(end - start), slope * period)
-    elapsed = (np.arange(steps) + 1.0) * (period / steps)
-    change = np.minimum(slope * elapsed, span)
-    speeds: FloatArray = start + (change if end >= start else -change)
+    change = np.minimum(_steepest(slope, period, steps), span)
+    speeds: FloatArray = start + change if end >= start else start - change
     return speeds
+
+
+@lru_cache(maxsize=8)
+def _steepest(slope: float, period: float, steps: int) -> FloatArray:
+    """(steps,) change of speed since the period's start at the given slope, after each step."""
+    change: FloatArray = slope * (np.arange(1, steps + 1, dtype=np.float64) * (period / steps))
+    return change
 
 
 def centre_displacement(yaw: float, profile: SpeedProfile, spec: RobotSpec) -> tuple[float, float]:
     """World-frame displacement of the footprint's centre over one period of the profile."""
     dt = spec.physics_period
-    turned = yaw + np.cumsum(profile.omega) * dt - profile.omega * (dt / 2)
+    turned = yaw + profile.omega.cumsum() * dt - profile.omega * (dt / 2)
     c, s = np.cos(turned), np.sin(turned)
     side = spec.axle_offset * profile.omega
     return (
@@ -160,7 +167,7 @@ def _profile(twist: Twist2D, v: float, omega: float, spec: RobotSpec) -> SpeedPr
 
 def _mean_turn(profile: SpeedProfile, spec: RobotSpec) -> float:
     """Mean over the period of the angle turned since its start, rad."""
-    return float(np.cumsum(profile.omega).mean()) * spec.physics_period
+    return float(profile.omega.cumsum().sum()) / len(profile.omega) * spec.physics_period
 
 
 def wheel_speeds(v: float, omega: float, spec: RobotSpec) -> WheelSpeeds:

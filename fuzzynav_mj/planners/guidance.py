@@ -15,10 +15,10 @@ import numpy as np
 from fuzzynav_mj.planners.sight import (
     Sight,
     Ways,
-    direct_ways,
     either,
     free_distance,
     searched_ways,
+    straight_ways,
 )
 from fuzzynav_mj.types import FloatArray, IntArray
 
@@ -203,8 +203,7 @@ class Guidance:
     def _ways(self, place: tuple[float, float], goal: FloatArray, sight: Sight) -> Ways:
         """Comfortable ways, tight ones where they save enough, searched ones where they might."""
         settings = self._settings
-        easy = direct_ways(sight, settings.comfortable)
-        tight = direct_ways(sight, settings.tight)
+        easy, tight = straight_ways(sight, (settings.comfortable, settings.tight))
         ways = either(easy, tight, settings.tight_penalty)
         if self._search_might_help(place, goal, sight, ways):
             found = searched_ways(sight, settings.tight, settings.comfortable)

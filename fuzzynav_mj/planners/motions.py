@@ -62,6 +62,13 @@ class Motions:
     brake_steps: IntArray
     on_the_spot: BoolArray
 
+    def stopping(self, stops: IntArray) -> np.ndarray:
+        """(m, HORIZON, 3) poses that stay where they are after the period `stops` (m,) of each."""
+        count = len(stops)
+        steps = np.minimum(np.arange(HORIZON)[:, None], stops)
+        flat = self.poses.T.reshape(3, -1)
+        return flat.take(steps * count + np.arange(count), axis=1).T
+
 
 def candidate_motions(wanted: float, twist: Twist2D, spec: RobotSpec) -> Motions:
     """Candidates around a wanted direction of travel (rad, robot frame), a turn on the spot to it,

@@ -106,8 +106,8 @@ class MultilayerPlanner:
         trajectories, Eq. (14). Guidance itself sees to the return to the line to the goal.
         """
         settings = self._settings
-        offset = outlook.poses[:, : settings.progress_steps, :2] - np.array(target)
-        left_over = np.sqrt((offset**2).sum(axis=2)).min(axis=1)
+        x, y, _ = outlook.poses.T[:, : settings.progress_steps].astype(np.float64)
+        left_over = np.sqrt(((x - target[0]) ** 2 + (y - target[1]) ** 2).min(axis=0))
         tight = np.maximum(settings.comfortable_gap - outlook.static, 0.0)
         cost = left_over + settings.static_weight * tight
         cost = cost + settings.moving_weight * outlook.crowding

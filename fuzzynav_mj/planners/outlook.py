@@ -9,7 +9,7 @@ from math import cos, pi, sin
 
 import numpy as np
 
-from fuzzynav_mj.planners.clearance import moving_clearance, static_clearance
+from fuzzynav_mj.planners.clearance import FAR, moving_clearance, static_clearance
 from fuzzynav_mj.planners.motions import HORIZON, Motions
 from fuzzynav_mj.planners.settings import DecisionSettings
 from fuzzynav_mj.planners.sight import Sight
@@ -57,33 +57,34 @@ def look_ahead(
     """Rolls the candidates on."""
     c, s = cos(pose.yaw), sin(pose.yaw)
     to_robot = np.array([[c, s], [-s, c]])
-    times = period_ends(spec)
+    times = period_ends(spec)[:, None]
+    # From here on the periods are the rows: (HORIZON, m).
     static, blocked = _static(motions, around.sight.points @ to_robot.T, times, spec, settings)
     blocked |= _unseen(motions.poses, around.sight, pose)
-    first = np.where(blocked.any(axis=1), blocked.argmax(axis=1), HORIZON)
+    driven = np.logical_and.accumulate(~blocked)  # before the first one that is blocked
+    first = np.add.reduce(driven, dtype=np.intp)
     last = first - 1 - np.maximum(motions.brake_steps, _spin_steps(motions.poses, first, spec))
     stops = np.where(first == HORIZON, HORIZON - 1, np.maximum(last, 0))
-    steps = np.minimum(np.arange(HORIZON), stops[:, None])
-    rows = np.arange(len(stops))[:, None]
-    poses = motions.poses[rows, steps]
+    poses = motions.stopping(stops)
     static_ok = (last >= 0) | (first == HORIZON)
-    expected = moving_clearance(poses, to_robot @ around.expected, spec.half_side)
-    possible = moving_clearance(poses, to_robot @ around.possible, spec.half_side)
+    expected = moving_clearance(poses, to_robot @ around.expected, spec.half_side).T
+    possible = moving_clearance(poses, to_robot @ around.possible, spec.half_side).T
     moving = np.minimum(expected, possible)
     berth = settings.moving_gap + settings.moving_gap_growth * np.minimum(
         times, settings.moving_gap_time
     )
     wanted = settings.moving_margin + settings.moving_margin_growth * times
-    contact = expected < settings.contact_gap
+    free = np.logical_and.accumulate(expected >= settings.contact_gap)
+    reached = np.arange(HORIZON)[:, None] <= stops
     return Outlook(
         poses=poses,
-        static=static[rows, steps].min(axis=1),
-        moving=moving.min(axis=1),
-        crowding=np.maximum(berth - moving, 0.0).max(axis=1),
+        static=np.where(reached, static, np.inf).min(axis=0),
+        moving=moving.min(axis=0),
+        crowding=np.maximum(berth - moving, 0.0).max(axis=0),
         static_ok=static_ok,
-        contact_step=np.where(contact.any(axis=1), contact.argmax(axis=1), HORIZON),
-        soon=static[:, :SOON].min(axis=1),
-        admissible=static_ok & (moving >= wanted).all(axis=1),
+        contact_step=np.add.reduce(free, dtype=np.intp),
+        soon=static[:SOON].min(axis=0),
+        admissible=static_ok & (moving >= wanted).all(axis=0),
     )
 
 
@@ -94,31 +95,33 @@ def _static(
     spec: RobotSpec,
     settings: DecisionSettings,
 ) -> tuple[FloatArray, BoolArray]:
-    """(m, HORIZON) gaps to what stands, and where they are less than the margin."""
-    here = np.zeros((1, 1, 3), dtype=np.float32)
-    gap_now = float(static_clearance(here, standing, spec.half_side)[0, 0])
-    speed = np.abs(motions.speed)[:, None]
+    """(HORIZON, m) gaps to what stands, and where they are less than the margin."""
+    beside = np.maximum(np.abs(standing.astype(np.float32)) - np.float32(spec.half_side), 0.0)
+    gap_now = float(np.sqrt((beside * beside).sum(axis=1)).min(initial=FAR))
+    speed = np.abs(motions.speed)
     margin = settings.static_margin + settings.static_margin_growth * speed
     # Closer than that already: any speed will do that makes room at once.
     regained = gap_now - 0.002 + settings.static_recovery * speed * times
-    gaps = static_clearance(motions.poses, standing, spec.half_side)
+    gaps = static_clearance(motions.poses, standing, spec.half_side).T
     return gaps, gaps < np.minimum(margin, regained)
 
 
 def _spin_steps(poses: np.ndarray, first: IntArray, spec: RobotSpec) -> IntArray:
     """(m,) periods it takes to stop turning at the pace of period `first` (m,), rounded up."""
-    turned = np.abs(np.diff(poses[..., 2], axis=1, prepend=np.float32(0.0)))
-    pace = turned[np.arange(len(first)), np.minimum(first, HORIZON - 1)]
+    candidates, period = np.arange(len(first)), np.minimum(first, HORIZON - 1)
+    yaw = poses.T[2]
+    start = np.where(period > 0, yaw[period - 1, candidates], np.float32(0.0))
+    pace = np.abs(yaw[period, candidates] - start)
     slowing = spec.max_yaw_acceleration * spec.decision_period**2
     steps: IntArray = np.ceil(pace / slowing - 1e-3).astype(np.intp)
     return steps
 
 
 def _unseen(poses: np.ndarray, sight: Sight, pose: Pose2D) -> BoolArray:
-    """(m, HORIZON) True where the footprint's centre would leave what this look has seen."""
-    x, y = poses[..., 0], poses[..., 1]
+    """(HORIZON, m) True where the footprint's centre would leave what this look has seen."""
+    x, y, _ = poses.T
     count = len(sight.bearings)
     bearing = np.arctan2(y, x) + (pose.yaw - float(sight.bearings[0]))
     rays = np.rint(bearing * (count / (2 * pi))).astype(np.intp) % count
-    beyond: BoolArray = x * x + y * y > sight.ranges[rays] ** 2
+    beyond: BoolArray = x * x + y * y > sight.ranges.take(rays) ** 2
     return beyond
