@@ -131,13 +131,9 @@ def _until_met(along: FloatArray, across: FloatArray, width: float) -> FloatArra
     return np.where((inside > 0.0) & (along > 0.0), distance, np.inf)
 
 
-def direct_ways(sight: Sight, width: float) -> Ways:
-    """Straight ways to the edge of sight, and to where one obstacle hides what is behind it."""
-    return straight_ways(sight, (width,))[0]
-
-
 def straight_ways(sight: Sight, widths: tuple[float, ...]) -> list[Ways]:
-    """The same for several widths."""
+    """Straight ways to the edge of sight, and to where one obstacle hides what is behind it, for
+    each of several widths."""
     unit = np.array((np.cos(sight.bearings), np.sin(sight.bearings)))
     nowhere = np.zeros(len(sight.bearings), dtype=bool)
     to_edge = sight.ranges >= sight.max_range - 1e-9

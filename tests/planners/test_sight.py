@@ -12,10 +12,10 @@ from fuzzynav_mj.geometry import wrap_angle
 from fuzzynav_mj.planners.grid import CELL
 from fuzzynav_mj.planners.sight import (
     Ways,
-    direct_ways,
     either,
     free_distance,
     searched_ways,
+    straight_ways,
     thin,
 )
 from fuzzynav_mj.types import FloatArray
@@ -38,7 +38,7 @@ def straight(
     sides: FloatArray, place: tuple[float, float], yaw: float = 0.0, width: float = TIGHT
 ) -> Ways:
     """The straight ways at `place`."""
-    return direct_ways(sight_at(sides, place, yaw), width)
+    return straight_ways(sight_at(sides, place, yaw), (width,))[0]
 
 
 def degrees_open(ways: Ways, yaw: float = 0.0) -> FloatArray:
