@@ -114,6 +114,11 @@ class Perception:
     obstacles: tuple[PerceivedObstacle, ...]
     visibility: VisibilityMatrix
 
+    @property
+    def anything_moves(self) -> bool:
+        """True if a moving obstacle is in sight."""
+        return any(obstacle.dynamic for obstacle in self.obstacles)
+
 
 @dataclass(frozen=True, slots=True)
 class FuzzyInputs:

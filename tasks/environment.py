@@ -1,6 +1,5 @@
 """A composer environment that takes all physics steps of a decision period in one block."""
 
-import dm_env
 import numpy as np
 from dm_control import composer
 
@@ -27,7 +26,3 @@ class NavigationEnvironment(composer.Environment):
         # Composer's own loop splits every physics step in two and runs its hooks around each;
         # the task's block takes plain steps instead, at about half the cost.
         self._task.advance(self._physics)
-
-    def reset(self) -> dm_env.TimeStep:
-        """Starts the next episode."""
-        return super().reset()

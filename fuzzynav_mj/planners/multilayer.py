@@ -71,8 +71,7 @@ class MultilayerPlanner:
             wanted = dock.turn_to - pose.yaw
         motions = candidate_motions(wanted, observation.twist, self._spec)
         outlook = look_ahead(motions, around, pose, self._spec, self._settings)
-        moving_in_sight = any(obstacle.dynamic for obstacle in perception.obstacles)
-        cost = self._cost(motions, outlook, target, pose, dock, moving_in_sight)
+        cost = self._cost(motions, outlook, target, pose, dock, perception.anything_moves)
         candidates = _candidates(motions, outlook, cost, pose)
         first = _choose(cost, outlook, self._kept(motions, pose))
         verdict = self._judge(first, motions, candidates, pose, perception)
@@ -98,7 +97,7 @@ class MultilayerPlanner:
         target: tuple[float, float],
         pose: Pose2D,
         dock: Docking | None,
-        moving_in_sight: bool,
+        anything_moves: bool,
     ) -> FloatArray:
         """(m,) the priorities as one cost, m: progress first, then room, then keeping on.
 
@@ -115,7 +114,7 @@ class MultilayerPlanner:
         if self._travel is not None:
             turn = np.abs((motions.direction + pose.yaw - self._travel + pi) % (2 * pi) - pi)
             cost = cost + settings.change_cost * turn
-        if not moving_in_sight:
+        if not anything_moves:
             # Waiting is for movers: among what stands it would last for ever.
             goes = np.abs(outlook.poses[:, -1]).max(axis=1) > STANDING
             cost = cost + settings.waiting_cost * ~goes
@@ -143,7 +142,7 @@ class MultilayerPlanner:
         pool = np.flatnonzero(candidates.admissible)
         if self._gate.accepts(float(risks[chosen])) or len(pool) == 0:
             return _Verdict(chosen, risks, inputs, False)
-        if not any(obstacle.dynamic for obstacle in perception.obstacles):
+        if not perception.anything_moves:
             # Nothing moves: the gate may slow the robot, but a way back out is no alternative.
             cost = candidates.cost
             standing_still = min(float(cost[-1]), float(cost[pool].max()))
