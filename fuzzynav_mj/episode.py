@@ -146,7 +146,8 @@ def run_episode(
         ),
         planner_rng,
     )
-    perceiver = Perceiver(spec) if planner.requires.perception else None
+    perceiver = Perceiver(spec) if planner.requires.obstacles else None
+    sees = planner.requires.scan or planner.requires.obstacles
     moments: list[_Moment] = []
     blocks: list[BlockTruth] = []
     start = simulation.pose
@@ -154,8 +155,11 @@ def run_episode(
     while outcome is None:
         before = perf_counter()
         pose, twist = simulation.pose, simulation.twist
-        perception = None if perceiver is None else perceiver.perceive(simulation.scan, pose)
-        decision = planner.decide(Observation(simulation.time, pose, twist, perception))
+        scan = simulation.scan if sees else None
+        perception = None
+        if perceiver is not None and scan is not None:
+            perception = perceiver.perceive(scan, pose)
+        decision = planner.decide(Observation(simulation.time, pose, twist, scan, perception))
         plan_time = perf_counter() - before
         time, movers = simulation.time, simulation.mover_positions
         if decision.give_up is not None:
@@ -164,7 +168,7 @@ def run_episode(
         block = simulation.drive(decision.next_position)
         blocks.append(block)
         moments.append(
-            _Moment(time, pose, twist, perception, decision, movers, plan_time,
+            _Moment(time, pose, twist, scan, perception, decision, movers, plan_time,
                     simulation.wheel_command, block)
         )  # fmt: skip
         outcome = simulation.outcome
@@ -216,6 +220,7 @@ class _Moment:
     time: float
     pose: Pose2D
     twist: Twist2D
+    scan: LaserScan | None
     perception: Perception | None
     decision: Decision
     movers: FloatArray
@@ -235,6 +240,7 @@ def _steps(moments: list[_Moment], world: World, spec: RobotSpec) -> tuple[StepR
             time=moment.time,
             pose=moment.pose,
             twist=moment.twist,
+            scan=moment.scan,
             perception=moment.perception,
             decision=moment.decision,
             mover_positions=moment.movers,

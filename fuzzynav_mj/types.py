@@ -221,7 +221,8 @@ class StepRecord:
         time: simulated time of the decision, s.
         pose: of the footprint's centre (truth).
         twist: of the robot (truth).
-        perception: None for planners that declared no scan.
+        scan: None for planners that declared none.
+        perception: None for planners that declared no obstacles.
         decision: what the planner decided.
         mover_positions: (movers, 2) origins of the moving obstacles (truth).
         wheel_command: wheel speeds commanded at the end of the period.
@@ -233,6 +234,7 @@ class StepRecord:
     time: float
     pose: Pose2D
     twist: Twist2D
+    scan: LaserScan | None
     perception: Perception | None
     decision: Decision
     mover_positions: FloatArray

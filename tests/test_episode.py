@@ -65,29 +65,40 @@ Writer = Callable[..., str]
 
 
 def test_planner_that_asks_for_nothing_is_told_nothing(write_scenario: Writer) -> None:
-    witness = Witness(Requirements(perception=False))
+    witness = Witness(Requirements(scan=False, obstacles=False))
     episode = watch(write_scenario("blind", PILLAR), witness)
     assert witness.problem.static_map is None
     assert witness.observations
+    assert all(observation.scan is None for observation in witness.observations)
     assert all(observation.perception is None for observation in witness.observations)
-    assert all(step.perception is None for step in episode.steps)
+    assert all(step.scan is None and step.perception is None for step in episode.steps)
     assert episode.record.outcome is Outcome.GOAL_REACHED
 
 
-def test_planner_that_asks_for_perception_gets_the_scan_of_the_moment(
+def test_planner_that_asks_for_the_scan_gets_it_bare(write_scenario: Writer) -> None:
+    witness = Witness(Requirements(scan=True, obstacles=False))
+    episode = watch(write_scenario("scanning", PILLAR), witness)
+    for observation, step in zip(witness.observations, episode.steps, strict=True):
+        assert observation.perception is None
+        assert observation.scan is not None and observation.scan is step.scan
+        assert observation.scan.stamp == pytest.approx(observation.stamp)
+
+
+def test_planner_that_asks_for_obstacles_gets_the_scan_of_the_moment(
     write_scenario: Writer,
 ) -> None:
-    witness = Witness(Requirements(perception=True))
+    witness = Witness(Requirements(obstacles=True))
     episode = watch(write_scenario("seeing", PILLAR), witness)
     assert witness.problem.static_map is None
     for observation, step in zip(witness.observations, episode.steps, strict=True):
         assert observation.perception is not None
         assert observation.perception is step.perception
+        assert observation.perception.scan is observation.scan
         assert observation.perception.scan.stamp == pytest.approx(observation.stamp)
 
 
 def test_static_map_is_given_on_request_only(write_scenario: Writer) -> None:
-    witness = Witness(Requirements(perception=False, static_map=True))
+    witness = Witness(Requirements(scan=False, obstacles=False, static_map=True))
     mover = "[[moving]]\ncircle = 0.1\nwaypoints = [[1.5, 0.2], [1.7, 0.2]]\nspeed = 0.1\n"
     watch(write_scenario("mapped", PILLAR + mover), witness)
     outlines = witness.problem.static_map
@@ -103,7 +114,7 @@ def test_mapless_planners_ask_for_no_map(name: str) -> None:
     """The paper's planner, with and without its gate, knows its place and the goal, and looks."""
     planner = make_planner(name)
     if name in ("fuzzy", "multilayer"):
-        assert planner.requires == Requirements(perception=True, static_map=False)
+        assert planner.requires == Requirements(scan=True, obstacles=True, static_map=False)
 
 
 def names(record: type) -> set[str]:
@@ -113,7 +124,7 @@ def names(record: type) -> set[str]:
 
 def test_no_record_given_to_a_planner_has_room_for_the_truth() -> None:
     """A new field here is a new thing that planners are told: think twice."""
-    assert names(Observation) == {"stamp", "pose", "twist", "perception"}
+    assert names(Observation) == {"stamp", "pose", "twist", "scan", "perception"}
     assert names(NavigationProblem) == {
         "goal", "goal_yaw", "goal_tolerance", "spec", "static_map",
     }  # fmt: skip
@@ -151,7 +162,7 @@ def test_what_is_out_of_sight_changes_nothing(write_scenario: Writer, planner: s
 
 
 def test_record_repeats_what_happened(write_scenario: Writer) -> None:
-    witness = Witness(Requirements(perception=False))
+    witness = Witness(Requirements(scan=False, obstacles=False))
     episode = watch(write_scenario("plain"), witness)
     record, steps = episode.record, episode.steps
     assert (record.scenario, record.planner, record.seed) == ("plain", "witness", 0)
@@ -173,7 +184,7 @@ def test_record_repeats_what_happened(write_scenario: Writer) -> None:
 
 
 def test_observations_are_the_steps_poses(write_scenario: Writer) -> None:
-    witness = Witness(Requirements(perception=False))
+    witness = Witness(Requirements(scan=False, obstacles=False))
     episode = watch(write_scenario("poses"), witness)
     for observation, step in zip(witness.observations, episode.steps, strict=True):
         assert (observation.stamp, observation.pose) == (step.time, step.pose)
@@ -184,7 +195,7 @@ def test_observations_are_the_steps_poses(write_scenario: Writer) -> None:
 
 def test_contact_ends_the_episode(write_scenario: Writer) -> None:
     block = "[[static]]\npolygon = [[0.85, 0.4], [0.95, 0.4], [0.95, 0.8], [0.85, 0.8]]\n"
-    witness = Witness(Requirements(perception=False))
+    witness = Witness(Requirements(scan=False, obstacles=False))
     record = watch(write_scenario("blocked", block), witness).record
     assert record.outcome is Outcome.CONTACT and record.optimality is None
     (contact,) = record.contacts
@@ -198,7 +209,7 @@ def test_contact_ends_the_episode(write_scenario: Writer) -> None:
 @pytest.mark.parametrize("at", [0.0, 0.35])
 def test_planner_may_give_up(write_scenario: Writer, at: float) -> None:
     """At once too; the decision that gives up is not driven."""
-    witness = Witness(Requirements(perception=False), give_up_at=at)
+    witness = Witness(Requirements(scan=False, obstacles=False), give_up_at=at)
     episode = watch(write_scenario("given_up"), witness)
     record = episode.record
     assert record.outcome is Outcome.STUCK and record.optimality is None
@@ -209,7 +220,7 @@ def test_planner_may_give_up(write_scenario: Writer, at: float) -> None:
 
 
 def test_time_runs_out(write_scenario: Writer) -> None:
-    witness = Witness(Requirements(perception=False))
+    witness = Witness(Requirements(scan=False, obstacles=False))
     record = watch(write_scenario("short", time_limit=0.5), witness).record
     assert record.outcome is Outcome.TIMEOUT and record.decisions == 5
     assert record.sim_time_s == pytest.approx(0.5) and record.physics_steps == 100
@@ -226,7 +237,7 @@ def test_risk_of_the_record_is_that_of_the_decisions(write_scenario: Writer) -> 
 class Restless:
     """A planner that draws from its random stream."""
 
-    requires: ClassVar[Requirements] = Requirements(perception=False)
+    requires: ClassVar[Requirements] = Requirements(scan=False, obstacles=False)
 
     def reset(self, problem: NavigationProblem, rng: np.random.Generator) -> None:
         """Begins an episode."""

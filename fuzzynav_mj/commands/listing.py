@@ -26,8 +26,9 @@ def list_planners() -> int:
     for name in sorted(PLANNERS):
         needs = make_planner(name).requires
         given = ["pose, twist and goal"]
-        given += ["what the sensor shows"] if needs.perception else []
-        given += ["the map of the static obstacles"] if needs.static_map else []
+        given += ["scan"] if needs.scan or needs.obstacles else []
+        given += ["perceived obstacles and their velocities"] if needs.obstacles else []
+        given += ["map of the static obstacles"] if needs.static_map else []
         print(f"{name:<{width}}  given {'; '.join(given)}")
     return 0
 

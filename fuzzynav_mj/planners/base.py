@@ -6,7 +6,7 @@ from typing import ClassVar, Protocol
 import numpy as np
 
 from fuzzynav_mj.robot import RobotSpec
-from fuzzynav_mj.types import Decision, FloatArray, Perception, Pose2D, Twist2D
+from fuzzynav_mj.types import Decision, FloatArray, LaserScan, Perception, Pose2D, Twist2D
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,11 +14,13 @@ class Requirements:
     """What a planner is given besides its own pose, its twist and the goal; the rest is withheld.
 
     Attributes:
-        perception: the scan and the obstacles perceived in it.
+        scan: the range readings.
+        obstacles: the obstacles perceived in them, with their velocities; includes the scan.
         static_map: the polygons of the static obstacles.
     """
 
-    perception: bool = True
+    scan: bool = True
+    obstacles: bool = True
     static_map: bool = False
 
 
@@ -49,12 +51,14 @@ class Observation:
         stamp: simulated time, s.
         pose: of the footprint's centre.
         twist: of the robot.
-        perception: None unless the planner requires it.
+        scan: None unless the planner requires the scan or the obstacles.
+        perception: None unless the planner requires the obstacles.
     """
 
     stamp: float
     pose: Pose2D
     twist: Twist2D
+    scan: LaserScan | None
     perception: Perception | None
 
 

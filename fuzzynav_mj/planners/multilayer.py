@@ -39,7 +39,7 @@ STANDING = 0.03  # m or rad: a candidate that changes its pose by no more stands
 class MultilayerPlanner:
     """The paper's planner. `gate=None` leaves the fuzzy gate out."""
 
-    requires: ClassVar[Requirements] = Requirements(perception=True)
+    requires: ClassVar[Requirements] = Requirements(scan=True, obstacles=True)
 
     def __init__(
         self, gate: RiskGate | None = None, settings: DecisionSettings | None = None

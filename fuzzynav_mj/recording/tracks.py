@@ -73,9 +73,9 @@ def hit_points(steps: Sequence[StepRecord]) -> Ragged:
     """Where the rays hit something, rows (x, y) in the world frame."""
 
     def hits(step: StepRecord) -> FloatArray:
-        if step.perception is None:
+        if step.scan is None:
             return np.empty((0, 2))
-        scan = step.perception.scan
+        scan = step.scan
         return np.array([scan.bearings[scan.hit], scan.ranges[scan.hit]]).T
 
     polar = ragged(map(hits, steps), (2,))
