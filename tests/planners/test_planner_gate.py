@@ -76,7 +76,8 @@ def decide(gate: ScriptedGate | RiskGate | None, *obstacles: PerceivedObstacle) 
     problem = NavigationProblem((3.0, 0.0), None, 0.1, DEFAULT_ROBOT)
     planner.reset(problem, np.random.default_rng(0))
     seen = perceive(*obstacles)
-    return planner.decide(Observation(0.0, Pose2D(0.0, 0.0, 0.0), Twist2D(0.3, 0.0), seen.scan, seen))
+    pose, twist = Pose2D(0.0, 0.0, 0.0), Twist2D(0.3, 0.0)
+    return planner.decide(Observation(0.0, pose, twist, seen.scan, seen))
 
 
 def weighed(decision: Decision) -> CandidateSet:
