@@ -1,0 +1,59 @@
+"""From speeds, or a direction of travel, to the next position of the footprint's centre."""
+
+from math import cos, pi
+
+from fuzzynav_mj.control import SpeedProfile, centre_displacement, ramp
+from fuzzynav_mj.geometry import wrap_angle
+from fuzzynav_mj.robot import RobotSpec
+from fuzzynav_mj.types import Pose2D, Twist2D
+
+TURN_TIME = 0.2  # s: time constant of the turn towards a direction
+
+
+def position_after(
+    v: float, omega: float, pose: Pose2D, twist: Twist2D, spec: RobotSpec
+) -> tuple[float, float]:
+    """Where the footprint's centre is one decision period later if the speeds become these.
+
+    The speeds are first brought within the robot's limits and then ramped to, exactly as
+    `control.drive_towards` does; given the position found here it drives these very speeds.
+
+    Args:
+        v: forward speed at the period's end, m/s, negative in reverse.
+        omega: yaw rate at the period's end, rad/s.
+        pose: present pose, world frame.
+        twist: present speeds.
+        spec: the robot's limits.
+
+    Returns:
+        (x, y), world frame, m.
+    """
+    period, steps = spec.decision_period, spec.substeps
+    profile = SpeedProfile(
+        ramp(twist.v, _clip(v, spec.max_speed), spec.max_acceleration, period, steps),
+        ramp(
+            twist.omega, _clip(omega, spec.max_yaw_rate), spec.max_yaw_acceleration, period, steps
+        ),
+    )
+    dx, dy = centre_displacement(pose.yaw, profile, spec)
+    return (pose.x + dx, pose.y + dy)
+
+
+def twist_towards(direction: float, speed: float, pose: Pose2D, spec: RobotSpec) -> Twist2D:
+    """Speeds to aim at for travelling in a direction: turn to it, and drive once nearly on it.
+
+    A right angle or more off course the robot turns on the spot.
+
+    Args:
+        direction: of travel, world frame, rad.
+        speed: once on course, m/s.
+        pose: present pose, world frame.
+        spec: the robot's limits.
+    """
+    error = wrap_angle(direction - pose.yaw)
+    share = cos(error) ** 2 if abs(error) < pi / 2 else 0.0
+    return Twist2D(speed * share, _clip(error / TURN_TIME, spec.max_yaw_rate))
+
+
+def _clip(value: float, limit: float) -> float:
+    return min(max(value, -limit), limit)
