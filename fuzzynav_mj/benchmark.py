@@ -1,6 +1,6 @@
 """Runs many episodes in parallel processes, and outlives the death of any of them.
 
-Every episode is a function of its job alone, so that neither the number of processes nor the order
+Every result is a function of its job alone, so that neither the number of processes nor the order
 matters. A process that dies takes its pool with it; the episodes that were under way are then run
 one at a time, where a second death has one possible cause.
 """
@@ -16,11 +16,15 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from fuzzynav_mj.errors import FuzzyNavError
 from fuzzynav_mj.results import EpisodeKey, FailedEpisode
 from fuzzynav_mj.scenarios.schema import Scenario
 from fuzzynav_mj.types import EpisodeRecord
+
+if TYPE_CHECKING:
+    from fuzzynav_mj.oracle import Possibility
 
 RETRIES = 2  # runs of an episode alone, after a process died with it among others
 
@@ -39,7 +43,30 @@ class EpisodeJob:
         return EpisodeKey(self.scenario.name, self.planner, self.seed)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class WorldJob:
+    """One world to judge: the obstacles that a scenario has with a seed."""
+
+    scenario: Scenario
+    seed: int
+
+    @property
+    def key(self) -> EpisodeKey:
+        """Its name: that of an episode without a planner."""
+        return EpisodeKey(self.scenario.name, "oracle", self.seed)
+
+
+class Job(Protocol):
+    """What a process can be given to do."""
+
+    @property
+    def key(self) -> EpisodeKey:
+        """Its name."""
+
+
 Play = Callable[[EpisodeJob], EpisodeRecord | FailedEpisode]
+Work = TypeVar("Work", bound=Job)
+Result = TypeVar("Result")
 
 
 def episode_jobs(
@@ -67,41 +94,58 @@ def play_job(job: EpisodeJob) -> EpisodeRecord | FailedEpisode:
     return FailedEpisode(job.key, " ".join(reason.split()))
 
 
+def judge_job(job: WorldJob) -> "tuple[WorldJob, Possibility] | FailedEpisode":
+    """Judge one world; whatever goes wrong is its failure and no other's."""
+    from fuzzynav_mj.runner import judge_world
+
+    try:
+        return job, judge_world(job.scenario, job.seed)
+    except Exception as error:
+        return FailedEpisode(job.key, " ".join(f"{type(error).__name__}: {error}".split()))
+
+
 def run_jobs(
     jobs: Iterable[EpisodeJob], processes: int, play: Play = play_job
 ) -> Generator[EpisodeRecord | FailedEpisode, None, None]:
-    """Run episodes in parallel and hand each out as it is finished.
+    """Run episodes as `run_parallel` does."""
+    return run_parallel(jobs, processes, play)
 
-    Closing the generator stops the processes without waiting for their episodes.
+
+def run_parallel(
+    jobs: Iterable[Work], processes: int, work: Callable[[Work], Result | FailedEpisode]
+) -> Generator[Result | FailedEpisode, None, None]:
+    """Do jobs in parallel and hand each result out as it is finished.
+
+    Closing the generator stops the processes without waiting for their jobs.
 
     Args:
-        jobs: what to run.
+        jobs: what to do.
         processes: how many at a time.
-        play: what a worker does with a job; a function of a module, so that it can be sent.
+        work: what a worker does with a job; a function of a module, so that it can be sent.
     """
     waiting = deque(jobs)
-    suspects: list[EpisodeJob] = []
+    suspects: list[Work] = []
     while waiting:
-        suspects += yield from _run_pool(waiting, processes, play)
+        suspects += yield from _run_pool(waiting, processes, work)
     for job in suspects:
         for _ in range(RETRIES):
-            if not (yield from _run_pool(deque([job]), 1, play)):
+            if not (yield from _run_pool(deque([job]), 1, work)):
                 break
         else:
             yield FailedEpisode(job.key, f"its process died {RETRIES + 1} times")
 
 
 def _run_pool(
-    waiting: deque[EpisodeJob], processes: int, play: Play
-) -> Generator[EpisodeRecord | FailedEpisode, None, list[EpisodeJob]]:
+    waiting: deque[Work], processes: int, work: Callable[[Work], Result | FailedEpisode]
+) -> Generator[Result | FailedEpisode, None, list[Work]]:
     """Run from `waiting` until it is empty or a worker dies; return what was under way then."""
     # Spawned, not forked: MuJoCo and pyarrow have threads, which a fork does not survive.
     context = get_context("spawn")
     lifeline, held = context.Pipe(duplex=False)
     workers = min(processes, len(waiting))
     pool = ProcessPoolExecutor(workers, context, _start_worker, (lifeline,))
-    running: dict[Future[EpisodeRecord | FailedEpisode], EpisodeJob] = {}
-    lost: list[EpisodeJob] = []
+    running: dict[Future[Result | FailedEpisode], Work] = {}
+    lost: list[Work] = []
     broken = False
     try:
         while running or (waiting and not broken):
@@ -109,7 +153,7 @@ def _run_pool(
             while waiting and not broken and len(running) < workers:
                 try:
                     with _interrupts_held():
-                        future = pool.submit(play, waiting[0])
+                        future = pool.submit(work, waiting[0])
                 except BrokenProcessPool:
                     broken = True
                 else:

@@ -159,6 +159,12 @@ def _add_bench(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--resume", action="store_true", help="keep what DIR holds and run what is missing"
     )
+    parser.add_argument(
+        "--oracle",
+        action="store_true",
+        help="judge whether each world leaves a contact-free run; with --resume also of what DIR "
+        "holds",
+    )
     parser.set_defaults(command=_bench)
 
 
@@ -177,6 +183,7 @@ def _bench(arguments: argparse.Namespace) -> int:
         processes=arguments.jobs,
         folder=arguments.out,
         resume=arguments.resume,
+        oracle=arguments.oracle,
     )
 
 

@@ -2,8 +2,9 @@
 
 import contextlib
 import json
+import math
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import TracebackType
@@ -11,13 +12,14 @@ from typing import Any, Self
 
 from fuzzynav_mj.errors import FuzzyNavError
 from fuzzynav_mj.metrics import record_to_row
+from fuzzynav_mj.oracle import Possibility
 from fuzzynav_mj.types import EpisodeRecord
 
 LOG = "episodes.jsonl"
 TABLE = "episodes.parquet"
 SUMMARY = "summary.md"
 
-TEXT_COLUMNS = ("scenario", "planner", "outcome", "contact_with", "scenario_sha256")
+TEXT_COLUMNS = ("scenario", "planner", "outcome", "contact_with", "scenario_sha256", "possible")
 WHOLE_COLUMNS = ("seed", "contacts_count", "gate_vetoes", "decisions", "physics_steps")
 FLAG_COLUMNS = ("contact_at_fault",)
 COLUMNS = (
@@ -26,10 +28,12 @@ COLUMNS = (
     "plan_ms_p50", "plan_ms_p99", "wall_s", "physics_steps", "tracking_rms_m", "slip_max_mps",
     "contacts_count", "contact_time_s", "contact_with", "contact_robot_speed_mps",
     "contact_at_fault", "version_fuzzynav_mj", "version_mujoco", "version_dm_control",
-    "version_numpy", "scenario_sha256",
+    "version_numpy", "scenario_sha256", "possible", "earliest_arrival_s",
 )  # fmt: skip
-"""The columns of the table, in order: the fields of the episode record, flattened, and the
-digest of the scenario's file."""
+"""The columns of the table, in order: the fields of the episode record, flattened, the digest of
+the scenario's file, and what the oracle says of the world, empty where it was not asked."""
+
+POSSIBLE, IMPOSSIBLE, UNKNOWN = "yes", "no", "unknown"
 
 Row = dict[str, Any]
 
@@ -66,10 +70,25 @@ def key_of(result: EpisodeRecord | FailedEpisode) -> EpisodeKey:
     return EpisodeKey(result.scenario, result.planner, result.seed)
 
 
+def possibility_columns(found: Possibility) -> Row:
+    """What the oracle says of a world, as columns of its episodes.
+
+    `possible` is "yes" where a contact-free run was found with every clearance kept, "no" where
+    not even the optimistic search finds one, and "unknown" between the two.
+    """
+    verdict = UNKNOWN if found.possible_optimistic else IMPOSSIBLE
+    arrival = found.earliest_arrival_s
+    return {
+        "possible": POSSIBLE if found.possible_cautious else verdict,
+        "earliest_arrival_s": arrival if math.isfinite(arrival) else None,
+    }
+
+
 class EpisodeLog:
     """Finished episodes, one JSON object a line, each on disk before the next one is taken.
 
     A line counts once its newline is there, so a process that dies while writing costs one episode.
+    Of several lines for one episode the last one counts.
 
     Args:
         folder: holds the log and what is made of it; made where it is missing.
@@ -119,15 +138,27 @@ class EpisodeLog:
             row: Row = asdict(key) | {"error": result.reason}
         else:
             row = record_to_row(result) | {"scenario_sha256": scenario_sha256}
-        line = json.dumps(row, allow_nan=False) + "\n"
+        self._write([(key, row)])
+
+    def complete(self, columns: Mapping[EpisodeKey, Row]) -> None:
+        """Add columns to finished episodes, and wait until they are on disk.
+
+        Raises:
+            FuzzyNavError: they cannot be written.
+        """
+        self._write([(key, self.rows[key] | added) for key, added in columns.items()])
+
+    def _write(self, rows: Sequence[tuple[EpisodeKey, Row]]) -> None:
+        lines = "".join(json.dumps(row, allow_nan=False) + "\n" for _, row in rows)
         try:
-            self._file.write(line.encode())
+            self._file.write(lines.encode())
             self._file.flush()
             os.fsync(self._file.fileno())
         except OSError as error:
             path = self.folder / LOG
             raise FuzzyNavError(f"{path}: cannot write an episode: {error.strerror}") from None
-        self._keep(key, row)
+        for key, row in rows:
+            self._keep(key, row)
 
     def sorted_rows(self) -> list[Row]:
         """The finished episodes by scenario, planner and seed, in whatever order they came."""

@@ -7,9 +7,12 @@ import numpy as np
 
 import fuzzynav_mj
 from fuzzynav_mj.episode import Episode, run_episode
+from fuzzynav_mj.oracle import Possibility, assess
 from fuzzynav_mj.planners import make_planner
+from fuzzynav_mj.robot import DEFAULT_ROBOT
 from fuzzynav_mj.scenarios.schema import Bounds, Scenario
 from fuzzynav_mj.scenarios.shape import Shape
+from fuzzynav_mj.scenarios.world import make_world
 from fuzzynav_mj.shortest_path import shortest_path
 
 Point = tuple[float, float]
@@ -41,6 +44,17 @@ def play_episode(scenario: Scenario, planner: str, seed: int) -> Episode:
         shortest_length(scenario),
         versions(),
     )
+
+
+def judge_world(scenario: Scenario, seed: int) -> Possibility:
+    """Whether a contact-free run exists among the obstacles that this seed brings.
+
+    Raises:
+        ScenarioError: the moving obstacles of this seed find no room.
+    """
+    from fuzzynav_mj.tasks.navigation import episode_streams
+
+    return assess(make_world(scenario, episode_streams(seed).scenario), DEFAULT_ROBOT)
 
 
 def shortest_length(scenario: Scenario) -> float:

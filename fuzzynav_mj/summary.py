@@ -7,20 +7,29 @@ from math import nan
 from statistics import fmean, median, stdev
 
 from fuzzynav_mj.metrics import wilson_interval
-from fuzzynav_mj.results import EpisodeKey, Row
+from fuzzynav_mj.results import IMPOSSIBLE, POSSIBLE, UNKNOWN, EpisodeKey, Row
 from fuzzynav_mj.types import Outcome
 
 HEADINGS = (
     "scenario", "planner", "reached", "success % [95 %]", "path m", "time s", "contacts",
     "optimality %", "vetoes", "plan ms",
 )  # fmt: skip
-"""Of the table's columns, the ones that a narrow terminal can do without last."""
+"""The table's columns; a narrow terminal does without the last ones."""
+
+OF_POSSIBLE = "of the possible %"
+"""A column after the success, where the oracle was asked."""
 
 NOTE = (
     "Success is reaching the goal without contact, with its Wilson 95 % interval. Path, optimality "
     "and simulated time are mean ± standard deviation over the successful episodes; vetoes are the "
     "mean number per episode; planning times are the median and the 99th percentile of one "
     "decision, medians over the episodes, measured while the other processes were running."
+)
+
+
+ORACLE_NOTE = (
+    "Of the possible: the same for the episodes alone whose world leaves a contact-free run for "
+    "certain, as a search finds that knows every motion."
 )
 
 
@@ -50,6 +59,10 @@ class GroupSummary:
         vetoes: mean number per episode.
         plan_ms_p50: median over the episodes of the median time of a decision, ms.
         plan_ms_p99: median over the episodes of the 99th percentile, ms.
+        judged: episodes whose world the oracle has judged.
+        possible: episodes whose world leaves a contact-free run for certain.
+        possible_successes: those of them that reached the goal without contact.
+        possible_interval: Wilson 95 % interval of that rate.
     """
 
     scenario: str
@@ -65,6 +78,10 @@ class GroupSummary:
     vetoes: float
     plan_ms_p50: float
     plan_ms_p99: float
+    judged: int
+    possible: int
+    possible_successes: int
+    possible_interval: tuple[float, float]
 
 
 def summarise(rows: Iterable[Row]) -> list[GroupSummary]:
@@ -77,15 +94,23 @@ def summarise(rows: Iterable[Row]) -> list[GroupSummary]:
     ]
 
 
-def table_cells(summaries: Iterable[GroupSummary]) -> list[tuple[str, ...]]:
-    """The summaries as the texts under `HEADINGS`."""
+def headings(summaries: Iterable[GroupSummary]) -> tuple[str, ...]:
+    """`HEADINGS`, and what else there is to tell of these summaries."""
+    if not any(group.judged for group in summaries):
+        return HEADINGS
+    return (*HEADINGS[:4], OF_POSSIBLE, *HEADINGS[4:])
+
+
+def table_cells(summaries: Sequence[GroupSummary]) -> list[tuple[str, ...]]:
+    """The summaries as the texts under their `headings`."""
+    judged = OF_POSSIBLE in headings(summaries)
     return [
         (
             group.scenario,
             group.planner,
             f"{group.successes} / {group.episodes}",
-            f"{100 * group.successes / group.episodes:.1f} "
-            f"[{100 * group.interval[0]:.1f}, {100 * group.interval[1]:.1f}]",
+            _rate_text(group.successes, group.episodes, group.interval),
+            *([_possible_text(group)] if judged else []),
             _spread_text(group.path_length, 2),
             _spread_text(group.sim_time, 1),
             f"{group.contacts} ({group.contacts_at_fault} at fault)" if group.contacts else "0",
@@ -101,6 +126,7 @@ def markdown(
     summaries: Sequence[GroupSummary],
     failures: Mapping[EpisodeKey, str],
     versions: Sequence[str],
+    rows: Iterable[Row] = (),
 ) -> str:
     """The summaries as a page of Markdown.
 
@@ -108,20 +134,44 @@ def markdown(
         summaries: the table's lines.
         failures: reason by episode, of those that have no row.
         versions: what the episodes ran on, one text for each set of versions among them.
+        rows: the episodes; those that the oracle did not find possible are listed.
     """
+    columns = headings(summaries)
     lines = ["# Benchmark", "", *(f"Ran on {text}." for text in versions), ""]
-    lines += ["| " + " | ".join(HEADINGS) + " |", "|" + " --- |" * len(HEADINGS)]
+    lines += ["| " + " | ".join(columns) + " |", "|" + " --- |" * len(columns)]
     for cells in table_cells(summaries):
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     lines += ["", NOTE, ""]
+    if OF_POSSIBLE in columns:
+        lines += [ORACLE_NOTE, ""]
+    rows = list(rows)
+    lines += _worlds_section(
+        rows, IMPOSSIBLE, "Impossible worlds", "No contact-free run exists in them."
+    )
+    lines += _worlds_section(
+        rows, UNKNOWN, "Doubtful worlds", "Whether a contact-free run exists in them is not known."
+    )
     if failures:
         lines += ["## Failed episodes", "", "They have no row and count nowhere above.", ""]
         lines += [f"- {key}: {failures[key]}" for key in sorted(failures)] + [""]
     return "\n".join(lines)
 
 
+def _worlds_section(rows: Iterable[Row], verdict: str, title: str, text: str) -> list[str]:
+    worlds = sorted(
+        {(row["scenario"], row["seed"]) for row in rows if row.get("possible") == verdict}
+    )
+    if not worlds:
+        return []
+    return (
+        [f"## {title}", "", text, ""] + [f"- {name}, seed {seed}" for name, seed in worlds] + [""]
+    )
+
+
 def _summarise_group(scenario: str, planner: str, rows: Sequence[Row]) -> GroupSummary:
     reached = [row for row in rows if row["outcome"] == Outcome.GOAL_REACHED.value]
+    possible = sum(row.get("possible") == POSSIBLE for row in rows)
+    of_possible = sum(row.get("possible") == POSSIBLE for row in reached)
     return GroupSummary(
         scenario=scenario,
         planner=planner,
@@ -136,6 +186,10 @@ def _summarise_group(scenario: str, planner: str, rows: Sequence[Row]) -> GroupS
         vetoes=fmean(_values(rows, "gate_vetoes")),
         plan_ms_p50=_median(_values(rows, "plan_ms_p50")),
         plan_ms_p99=_median(_values(rows, "plan_ms_p99")),
+        judged=sum(row.get("possible") is not None for row in rows),
+        possible=possible,
+        possible_successes=of_possible,
+        possible_interval=wilson_interval(of_possible, possible),
     )
 
 
@@ -153,6 +207,18 @@ def _spread(values: Sequence[float]) -> Spread:
 
 def _median(values: Sequence[float]) -> float:
     return median(values) if values else nan
+
+
+def _possible_text(group: GroupSummary) -> str:
+    if group.possible == 0:
+        return "-"
+    rate = _rate_text(group.possible_successes, group.possible, group.possible_interval)
+    return f"{group.possible_successes} / {group.possible}: {rate}"
+
+
+def _rate_text(successes: int, trials: int, interval: tuple[float, float]) -> str:
+    low, high = interval
+    return f"{100 * successes / trials:.1f} [{100 * low:.1f}, {100 * high:.1f}]"
 
 
 def _spread_text(spread: Spread, digits: int, scale: float = 1.0) -> str:

@@ -8,21 +8,32 @@ from importlib.resources import files
 from pathlib import Path
 from time import monotonic
 
-from fuzzynav_mj.benchmark import EpisodeJob, episode_jobs, run_jobs
+from fuzzynav_mj.benchmark import (
+    EpisodeJob,
+    WorldJob,
+    episode_jobs,
+    judge_job,
+    run_jobs,
+    run_parallel,
+)
 from fuzzynav_mj.errors import FuzzyNavError
 from fuzzynav_mj.planners import make_planner
 from fuzzynav_mj.results import (
     SUMMARY,
     TABLE,
+    EpisodeKey,
     EpisodeLog,
+    FailedEpisode,
+    Row,
     key_of,
+    possibility_columns,
     replace_file,
     write_table,
 )
 from fuzzynav_mj.runner import versions
 from fuzzynav_mj.scenarios import PAPER_SCENARIOS, library_names, load_scenario
 from fuzzynav_mj.scenarios.schema import Scenario
-from fuzzynav_mj.summary import HEADINGS, markdown, summarise, table_cells
+from fuzzynav_mj.summary import headings, markdown, summarise, table_cells
 
 INTERRUPTED = 130
 FAILURES_SHOWN = 10
@@ -35,6 +46,7 @@ def bench(
     processes: int,
     folder: Path,
     resume: bool,
+    oracle: bool = False,
 ) -> int:
     """Run episodes, and write and print what they say.
 
@@ -45,6 +57,8 @@ def bench(
         processes: how many episodes at a time.
         folder: for the results.
         resume: keep the episodes that the folder holds and run what is missing.
+        oracle: judge whether each world leaves a contact-free run at all; of episodes that the
+            folder holds from the same scenario files too.
 
     Returns:
         The exit status: 0 if every episode was run, 1 if some failed, 130 after Ctrl-C.
@@ -65,6 +79,8 @@ def bench(
         interrupted = False
         try:
             _run(missing, processes, log, digests)
+            if oracle:
+                _judge(scenarios, processes, log, digests)
         except KeyboardInterrupt:
             interrupted = True
             _note("interrupted; --resume runs what is missing")
@@ -98,14 +114,39 @@ def _load(names: Sequence[str]) -> tuple[list[Scenario], dict[str, str]]:
 def _run(
     jobs: Sequence[EpisodeJob], processes: int, log: EpisodeLog, digests: dict[str, str]
 ) -> None:
-    with closing(run_jobs(jobs, processes)) as results, _progress(len(jobs)) as advance:
+    progress = _progress("episodes", len(jobs))
+    with closing(run_jobs(jobs, processes)) as results, progress as advance:
         for result in results:
             log.add(result, digests[key_of(result).scenario])
             advance()
 
 
+def _judge(
+    scenarios: Sequence[Scenario], processes: int, log: EpisodeLog, digests: dict[str, str]
+) -> None:
+    """Complete the finished episodes by what the oracle says, once for every world."""
+    by_name = {scenario.name: scenario for scenario in scenarios}
+    episodes: dict[tuple[str, int], list[EpisodeKey]] = {}
+    for key, row in sorted(log.rows.items()):
+        same_file = row.get("scenario_sha256") == digests.get(key.scenario)
+        if same_file and row.get("possible") is None:
+            episodes.setdefault((key.scenario, key.seed), []).append(key)
+    jobs = [WorldJob(by_name[name], seed) for name, seed in episodes]
+    progress = _progress("worlds", len(jobs))
+    with closing(run_parallel(jobs, processes, judge_job)) as results, progress as advance:
+        for result in results:
+            if isinstance(result, FailedEpisode):
+                _note(f"the oracle failed: {result.key}: {result.reason}")
+            else:
+                job, found = result
+                columns: Row = possibility_columns(found)
+                of_world = episodes[job.scenario.name, job.seed]
+                log.complete(dict.fromkeys(of_world, columns))
+            advance()
+
+
 @contextmanager
-def _progress(total: int) -> Iterator[Callable[[], None]]:
+def _progress(what: str, total: int) -> Iterator[Callable[[], None]]:
     """A progress bar on standard error where that is a terminal; call the result per episode."""
     if total == 0 or not sys.stderr.isatty():
         yield lambda: None
@@ -121,7 +162,7 @@ def _progress(total: int) -> Iterator[Callable[[], None]]:
     )
 
     with Progress(
-        TextColumn("episodes"),
+        TextColumn(what),
         BarColumn(bar_width=None),
         MofNCompleteColumn(),
         TextColumn("{task.fields[rate]}"),
@@ -130,7 +171,7 @@ def _progress(total: int) -> Iterator[Callable[[], None]]:
         TimeRemainingColumn(),
         console=Console(stderr=True),
     ) as progress:
-        task = progress.add_task("episodes", total=total, rate="")
+        task = progress.add_task(what, total=total, rate="")
         began = monotonic()
 
         def advance() -> None:
@@ -167,10 +208,10 @@ def _report(log: EpisodeLog) -> None:
     summaries = summarise(rows)
     columns = [f"version_{name}" for name in versions()]
     ran_on = {_versions_text({name: str(row.get(name)) for name in columns}) for row in rows}
-    page = markdown(summaries, log.failures, sorted(ran_on))
+    page = markdown(summaries, log.failures, sorted(ran_on), rows)
     replace_file(log.folder / SUMMARY, page.encode())
     if sys.stdout.isatty():
-        _print_table(table_cells(summaries))
+        _print_table(headings(summaries), table_cells(summaries))
     else:
         print(page)
     print(f"results: {log.folder / TABLE}, {log.folder / SUMMARY}")
@@ -181,14 +222,14 @@ def _report(log: EpisodeLog) -> None:
         _note(f"failed: {len(failed) - FAILURES_SHOWN} more, see {log.folder / SUMMARY}")
 
 
-def _print_table(lines: Sequence[Sequence[str]]) -> None:
+def _print_table(names: Sequence[str], lines: Sequence[Sequence[str]]) -> None:
     """Print as many of the columns as the terminal is wide; the summary's file has them all."""
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
     from rich.table import Table
 
     console = Console(highlight=False)
-    columns = list(zip(HEADINGS, *lines, strict=True))
+    columns = list(zip(names, *lines, strict=True))
     while sum(max(map(len, column)) + 3 for column in columns) + 1 > console.width:
         columns.pop()
     table = Table(box=SIMPLE_HEAD)
