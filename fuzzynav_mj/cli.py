@@ -22,6 +22,7 @@ LARGEST_SEED = 2**63 - 1  # the seeds are a column of 64-bit integers
 LARGEST_COUNT = 1_000_000
 LARGEST_JOBS = 1024
 
+PLANNER_HELP = "as `fuzzynav list planners` names it, or FILE.py:CLASS; default: fuzzy"
 EXIT_STATUS = (
     "exit status: 0 the goal was reached without contact (run), every episode was run (bench), "
     "every file is good (check); 1 otherwise; 2 bad input"
@@ -95,7 +96,7 @@ def _parser() -> argparse.ArgumentParser:
 
 def _add_run(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scenario", metavar="SCENARIO", help="a name of the library or a file")
-    parser.add_argument("--planner", metavar="NAME", default="fuzzy", help="default: fuzzy")
+    parser.add_argument("--planner", metavar="NAME", default="fuzzy", help=PLANNER_HELP)
     parser.add_argument(
         "--seed", metavar="N", type=_whole(0, LARGEST_SEED), default=0, help="default: 0"
     )
@@ -125,9 +126,7 @@ def _add_bench(parser: argparse.ArgumentParser) -> None:
         nargs="*",
         help="names of the library or files; the paper's four by default",
     )
-    parser.add_argument(
-        "--planner", metavar="NAME", nargs="+", action="extend", help="default: fuzzy"
-    )
+    parser.add_argument("--planner", metavar="NAME", nargs="+", action="extend", help=PLANNER_HELP)
     parser.add_argument(
         "--episodes",
         metavar="N",

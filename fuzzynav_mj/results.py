@@ -19,7 +19,10 @@ LOG = "episodes.jsonl"
 TABLE = "episodes.parquet"
 SUMMARY = "summary.md"
 
-TEXT_COLUMNS = ("scenario", "planner", "outcome", "contact_with", "scenario_sha256", "possible")
+TEXT_COLUMNS = (
+    "scenario", "planner", "outcome", "contact_with", "scenario_sha256", "planner_sha256",
+    "possible",
+)  # fmt: skip
 WHOLE_COLUMNS = ("seed", "contacts_count", "gate_vetoes", "decisions", "physics_steps")
 FLAG_COLUMNS = ("contact_at_fault",)
 COLUMNS = (
@@ -28,10 +31,11 @@ COLUMNS = (
     "plan_ms_p50", "plan_ms_p99", "wall_s", "physics_steps", "tracking_rms_m", "slip_max_mps",
     "contacts_count", "contact_time_s", "contact_with", "contact_robot_speed_mps",
     "contact_at_fault", "version_fuzzynav_mj", "version_mujoco", "version_dm_control",
-    "version_numpy", "scenario_sha256", "possible", "earliest_arrival_s",
+    "version_numpy", "scenario_sha256", "planner_sha256", "possible", "earliest_arrival_s",
 )  # fmt: skip
-"""The columns of the table, in order: the fields of the episode record, flattened, the digest of
-the scenario's file, and what the oracle says of the world, empty where it was not asked."""
+"""The columns of the table, in order: the fields of the episode record, flattened; the digests of
+the scenario's file and of the planner's, where it is a file of the user's own; and what the oracle
+says of the world, empty where it was not asked."""
 
 POSSIBLE, IMPOSSIBLE, UNKNOWN = "yes", "no", "unknown"
 
@@ -127,8 +131,18 @@ class EpisodeLog:
                 "allowed is one that can be written"
             ) from None
 
-    def add(self, result: EpisodeRecord | FailedEpisode, scenario_sha256: str) -> None:
+    def add(
+        self,
+        result: EpisodeRecord | FailedEpisode,
+        scenario_sha256: str,
+        planner_sha256: str | None = None,
+    ) -> None:
         """Write one episode to disk, and wait until it is there.
+
+        Args:
+            result: the episode.
+            scenario_sha256: digest of its scenario's file.
+            planner_sha256: digest of its planner's file, where it is one of the user's own.
 
         Raises:
             FuzzyNavError: it cannot be written.
@@ -137,7 +151,8 @@ class EpisodeLog:
         if isinstance(result, FailedEpisode):
             row: Row = asdict(key) | {"error": result.reason}
         else:
-            row = record_to_row(result) | {"scenario_sha256": scenario_sha256}
+            digests = {"scenario_sha256": scenario_sha256, "planner_sha256": planner_sha256}
+            row = record_to_row(result) | digests
         self._write([(key, row)])
 
     def complete(self, columns: Mapping[EpisodeKey, Row]) -> None:

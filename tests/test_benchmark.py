@@ -324,10 +324,11 @@ def test_the_table_has_every_column_of_a_row_with_its_type(tmp_path):
     contact = Contact(time_s=1.0, with_="wall", robot_speed_mps=0.5, at_fault=True)
     touched = replace(RECORD, contacts=(contact,), outcome=Outcome.CONTACT)
     assert set(COLUMNS) == {
-        *record_to_row(RECORD), "scenario_sha256", "possible", "earliest_arrival_s",
+        *record_to_row(RECORD), "scenario_sha256", "planner_sha256", "possible",
+        "earliest_arrival_s",
     }  # fmt: skip
     for record in (RECORD, touched):
-        row = record_to_row(record) | {"scenario_sha256": "0"}
+        row = record_to_row(record) | {"scenario_sha256": "0", "planner_sha256": None}
         row |= {"possible": "yes", "earliest_arrival_s": 3.5}
         write_table([row], tmp_path / TABLE)
         table = pq.read_table(tmp_path / TABLE)

@@ -1,8 +1,9 @@
 """`fuzzynav bench`: many episodes, on disk one by one, and their table."""
 
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
+from dataclasses import dataclass
 from hashlib import sha256
 from importlib.resources import files
 from pathlib import Path
@@ -18,6 +19,7 @@ from fuzzynav_mj.benchmark import (
 )
 from fuzzynav_mj.errors import FuzzyNavError
 from fuzzynav_mj.planners import make_planner
+from fuzzynav_mj.planners.own import file_digest
 from fuzzynav_mj.results import (
     SUMMARY,
     TABLE,
@@ -39,6 +41,19 @@ INTERRUPTED = 130
 FAILURES_SHOWN = 10
 
 
+@dataclass(frozen=True, slots=True)
+class Digests:
+    """SHA-256 of the files that episodes depend on.
+
+    Attributes:
+        scenarios: by the scenario's name.
+        planners: by the planner's name; None for those that are no file of the user's own.
+    """
+
+    scenarios: Mapping[str, str]
+    planners: Mapping[str, str | None]
+
+
 def bench(
     names: Sequence[str],
     planners: Sequence[str],
@@ -52,7 +67,7 @@ def bench(
 
     Args:
         names: names or files of scenarios; the paper's four where empty.
-        planners: their names.
+        planners: their names, or FILE.py:CLASS.
         seeds: one episode each.
         processes: how many episodes at a time.
         folder: for the results.
@@ -66,10 +81,11 @@ def bench(
     Raises:
         FuzzyNavError: bad input.
     """
-    scenarios, digests = _load(names or PAPER_SCENARIOS)
+    scenarios, scenario_digests = _load(names or PAPER_SCENARIOS)
     chosen = list(dict.fromkeys(planners))
     for planner in chosen:
         make_planner(planner)
+    digests = Digests(scenario_digests, {name: file_digest(name) for name in chosen})
     with EpisodeLog(folder, resume) as log:
         _mention_differences(log, digests)
         jobs = episode_jobs(scenarios, chosen, seeds)
@@ -80,7 +96,7 @@ def bench(
         try:
             _run(missing, processes, log, digests)
             if oracle:
-                _judge(scenarios, processes, log, digests)
+                _judge(scenarios, processes, log, scenario_digests)
         except KeyboardInterrupt:
             interrupted = True
             _note("interrupted; --resume runs what is missing")
@@ -111,13 +127,12 @@ def _load(names: Sequence[str]) -> tuple[list[Scenario], dict[str, str]]:
     return scenarios, digests
 
 
-def _run(
-    jobs: Sequence[EpisodeJob], processes: int, log: EpisodeLog, digests: dict[str, str]
-) -> None:
+def _run(jobs: Sequence[EpisodeJob], processes: int, log: EpisodeLog, digests: Digests) -> None:
     progress = _progress("episodes", len(jobs))
     with closing(run_jobs(jobs, processes)) as results, progress as advance:
         for result in results:
-            log.add(result, digests[key_of(result).scenario])
+            key = key_of(result)
+            log.add(result, digests.scenarios[key.scenario], digests.planners[key.planner])
             advance()
 
 
@@ -182,17 +197,19 @@ def _progress(what: str, total: int) -> Iterator[Callable[[], None]]:
         yield advance
 
 
-def _mention_differences(log: EpisodeLog, digests: dict[str, str]) -> None:
+def _mention_differences(log: EpisodeLog, digests: Digests) -> None:
     present = {f"version_{name}": text for name, text in versions().items()}
     others = {
         _versions_text({name: str(row.get(name)) for name in present}) for row in log.rows.values()
     } - {_versions_text(present)}
     for text in sorted(others):
         _note(f"{log.folder} holds episodes of {text}; now {_versions_text(present)}")
-    for name, digest in digests.items():
-        held = (row for row in log.rows.values() if row["scenario"] == name)
-        if any(row.get("scenario_sha256") != digest for row in held):
-            _note(f"{log.folder} holds episodes of {name} from before its file was changed")
+    known = {"scenario": digests.scenarios, "planner": digests.planners}
+    for kind, by_name in known.items():
+        for name, digest in by_name.items():
+            held = (row for row in log.rows.values() if row[kind] == name)
+            if any(row.get(f"{kind}_sha256") != digest for row in held):
+                _note(f"{log.folder} holds episodes of {name} from before its file was changed")
 
 
 def _versions_text(row_versions: dict[str, str]) -> str:

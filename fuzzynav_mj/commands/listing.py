@@ -5,8 +5,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fuzzynav_mj.errors import FuzzyNavError
-from fuzzynav_mj.planners import PLANNERS, make_planner
+from fuzzynav_mj.errors import FuzzyNavError, PlannerError
+from fuzzynav_mj.planners import make_planner, planner_names
+from fuzzynav_mj.planners.base import given_to
+from fuzzynav_mj.planners.own import FORM
 from fuzzynav_mj.scenarios import PAPER_SCENARIOS, library_names, load_scenario
 from fuzzynav_mj.scenarios.world import make_world
 
@@ -22,14 +24,15 @@ def list_scenarios() -> int:
 
 def list_planners() -> int:
     """Print the planners, one a line: name and what each is given."""
-    width = max(map(len, PLANNERS))
-    for name in sorted(PLANNERS):
-        needs = make_planner(name).requires
-        given = ["pose, twist and goal"]
-        given += ["scan"] if needs.scan or needs.obstacles else []
-        given += ["perceived obstacles and their velocities"] if needs.obstacles else []
-        given += ["map of the static obstacles"] if needs.static_map else []
-        print(f"{name:<{width}}  given {'; '.join(given)}")
+    names = (*planner_names(), FORM)
+    width = max(map(len, names))
+    for name in planner_names():
+        try:
+            about = f"given {'; '.join(given_to(make_planner(name).requires))}"
+        except PlannerError as error:
+            about = f"cannot be used: {error}"
+        print(f"{name:<{width}}  {about}")
+    print(f"{FORM:<{width}}  a planner of your own: a class in a Python file")
     return 0
 
 

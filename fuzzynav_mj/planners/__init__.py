@@ -6,6 +6,13 @@ from fuzzynav_mj.errors import UnknownNameError
 from fuzzynav_mj.fuzzy.risk import RiskGate
 from fuzzynav_mj.planners.base import Planner
 from fuzzynav_mj.planners.multilayer import MultilayerPlanner
+from fuzzynav_mj.planners.own import (
+    FORM,
+    is_file_name,
+    planner_from_entry_point,
+    planner_from_file,
+    registered_planners,
+)
 
 PLANNERS: dict[str, Callable[[], Planner]] = {
     "fuzzy": lambda: MultilayerPlanner(RiskGate()),
@@ -16,9 +23,23 @@ PLANNERS: dict[str, Callable[[], Planner]] = {
 def make_planner(name: str) -> Planner:
     """A fresh planner.
 
+    Args:
+        name: of `PLANNERS`; of a planner that an installed package registers; or `FILE.py:CLASS`.
+
     Raises:
         UnknownNameError: no planner has this name.
+        PlannerError: a planner of the user's own cannot be used.
     """
-    if name not in PLANNERS:
-        raise UnknownNameError("planner", name, PLANNERS)
-    return PLANNERS[name]()
+    if name in PLANNERS:
+        return PLANNERS[name]()
+    if is_file_name(name):
+        return planner_from_file(name)
+    registered = registered_planners()
+    if name in registered:
+        return planner_from_entry_point(registered[name])
+    raise UnknownNameError("planner", name, planner_names(), f", or {FORM}")
+
+
+def planner_names() -> tuple[str, ...]:
+    """The names of the built-in and the registered planners, sorted."""
+    return tuple(sorted({*PLANNERS, *registered_planners()}))

@@ -1,7 +1,7 @@
 """What a planner is, what it may ask for, and what it is given."""
 
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -22,6 +22,15 @@ class Requirements:
     scan: bool = True
     obstacles: bool = True
     static_map: bool = False
+
+
+def given_to(needs: Requirements) -> tuple[str, ...]:
+    """What a planner is given, for a reader."""
+    given = ["pose, twist and goal"]
+    given += ["scan"] if needs.scan or needs.obstacles else []
+    given += ["perceived obstacles and their velocities"] if needs.obstacles else []
+    given += ["map of the static obstacles"] if needs.static_map else []
+    return tuple(given)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,7 +74,9 @@ class Observation:
 class Planner(Protocol):
     """Chooses the next position, once per decision period."""
 
-    requires: ClassVar[Requirements]
+    @property
+    def requires(self) -> Requirements:
+        """What it is given. Declare it as an attribute of the class."""
 
     def reset(self, problem: NavigationProblem, rng: np.random.Generator) -> None:
         """Begins an episode."""
