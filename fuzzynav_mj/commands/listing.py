@@ -9,6 +9,7 @@ from fuzzynav_mj.errors import FuzzyNavError, PlannerError
 from fuzzynav_mj.planners import make_planner, planner_names
 from fuzzynav_mj.planners.base import given_to
 from fuzzynav_mj.planners.own import FORM
+from fuzzynav_mj.planners.variants import OPTIONS
 from fuzzynav_mj.scenarios import PAPER_SCENARIOS, library_names, load_scenario
 from fuzzynav_mj.scenarios.world import make_world
 
@@ -23,16 +24,20 @@ def list_scenarios() -> int:
 
 
 def list_planners() -> int:
-    """Print the planners, one a line: name and what each is given."""
-    names = (*planner_names(), FORM)
-    width = max(map(len, names))
+    """Print the planners, one a line: name and what each is given; then what else is taken."""
+    lines = {}
     for name in planner_names():
         try:
-            about = f"given {'; '.join(given_to(make_planner(name).requires))}"
+            lines[name] = f"given {'; '.join(given_to(make_planner(name).requires))}"
         except PlannerError as error:
-            about = f"cannot be used: {error}"
+            lines[name] = f"cannot be used: {error}"
+    for name, options in OPTIONS.items():
+        allowed = "; ".join(f"{option}={values}" for option, values in options.items())
+        lines[f"{name}:OPTION=VALUE,..."] = f"with {allowed}"
+    lines[FORM] = "a planner of your own: a class in a Python file"
+    width = max(map(len, lines))
+    for name, about in lines.items():
         print(f"{name:<{width}}  {about}")
-    print(f"{FORM:<{width}}  a planner of your own: a class in a Python file")
     return 0
 
 

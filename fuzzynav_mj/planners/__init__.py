@@ -13,6 +13,7 @@ from fuzzynav_mj.planners.own import (
     planner_from_file,
     registered_planners,
 )
+from fuzzynav_mj.planners.variants import has_options, make_variant
 
 PLANNERS: dict[str, Callable[[], Planner]] = {
     "fuzzy": lambda: MultilayerPlanner(RiskGate()),
@@ -24,16 +25,20 @@ def make_planner(name: str) -> Planner:
     """A fresh planner.
 
     Args:
-        name: of `PLANNERS`; of a planner that an installed package registers; or `FILE.py:CLASS`.
+        name: of `PLANNERS`; of one that an installed package registers; one of `PLANNERS` with
+            options as in `fuzzy:gate=60`; or `FILE.py:CLASS`.
 
     Raises:
         UnknownNameError: no planner has this name.
+        FuzzyNavError: the options are not the planner's.
         PlannerError: a planner of the user's own cannot be used.
     """
     if name in PLANNERS:
         return PLANNERS[name]()
     if is_file_name(name):
         return planner_from_file(name)
+    if has_options(name):
+        return make_variant(name)
     registered = registered_planners()
     if name in registered:
         return planner_from_entry_point(registered[name])
