@@ -18,6 +18,7 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
+from fuzzynav_mj.disturbance import PERFECT, Disturbance
 from fuzzynav_mj.errors import FuzzyNavError
 from fuzzynav_mj.results import EpisodeKey, FailedEpisode
 from fuzzynav_mj.scenarios.schema import Scenario
@@ -36,11 +37,12 @@ class EpisodeJob:
     scenario: Scenario
     planner: str
     seed: int
+    disturbance: Disturbance = PERFECT
 
     @property
     def key(self) -> EpisodeKey:
         """Its name."""
-        return EpisodeKey(self.scenario.name, self.planner, self.seed)
+        return EpisodeKey(self.scenario.name, self.planner, self.seed, self.disturbance)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,11 +72,14 @@ Result = TypeVar("Result")
 
 
 def episode_jobs(
-    scenarios: Iterable[Scenario], planners: Sequence[str], seeds: range
+    scenarios: Iterable[Scenario],
+    planners: Sequence[str],
+    seeds: range,
+    disturbance: Disturbance = PERFECT,
 ) -> list[EpisodeJob]:
     """Every scenario with every planner and every seed."""
     return [
-        EpisodeJob(scenario, planner, seed)
+        EpisodeJob(scenario, planner, seed, disturbance)
         for scenario in scenarios
         for planner in planners
         for seed in seeds
@@ -86,7 +91,7 @@ def play_job(job: EpisodeJob) -> EpisodeRecord | FailedEpisode:
     from fuzzynav_mj.runner import play_episode  # in the worker: the parent needs no physics
 
     try:
-        return play_episode(job.scenario, job.planner, job.seed).record
+        return play_episode(job.scenario, job.planner, job.seed, job.disturbance).record
     except FuzzyNavError as error:
         reason = str(error)
     except Exception as error:

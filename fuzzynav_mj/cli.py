@@ -8,10 +8,18 @@ import io
 import os
 import sys
 from collections.abc import Callable, Sequence
+from math import degrees, nan, radians
 from pathlib import Path
 from typing import Any, NoReturn
 
 from fuzzynav_mj import __version__
+from fuzzynav_mj.disturbance import (
+    LARGEST,
+    LARGEST_FRICTION,
+    PERFECT,
+    SMALLEST_FRICTION,
+    Disturbance,
+)
 from fuzzynav_mj.errors import FuzzyNavError
 
 BAD_INPUT = 2
@@ -103,6 +111,7 @@ def _add_run(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rrd", metavar="FILE", type=Path, help="write a Rerun recording")
     parser.add_argument("--json", action="store_true", help="print the record as one JSON object")
     parser.add_argument("--quiet", action="store_true", help="print no summary")
+    _add_disturbance(parser)
     parser.set_defaults(command=_run)
 
 
@@ -116,6 +125,7 @@ def _run(arguments: argparse.Namespace) -> int:
         recording=arguments.rrd,
         as_json=arguments.json,
         quiet=arguments.quiet,
+        disturbance=_disturbance(arguments),
     )
 
 
@@ -164,6 +174,7 @@ def _add_bench(parser: argparse.ArgumentParser) -> None:
         help="judge whether each world leaves a contact-free run; with --resume also of what DIR "
         "holds",
     )
+    _add_disturbance(parser)
     parser.set_defaults(command=_bench)
 
 
@@ -183,6 +194,66 @@ def _bench(arguments: argparse.Namespace) -> int:
         folder=arguments.out,
         resume=arguments.resume,
         oracle=arguments.oracle,
+        disturbance=_disturbance(arguments),
+    )
+
+
+def _add_disturbance(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group(
+        "imperfect sensors and floor", "drawn anew for every seed; perfect by default"
+    )
+    group.add_argument(
+        "--range-noise",
+        metavar="M",
+        type=_number(0.0, LARGEST["range_noise_m"]),
+        default=PERFECT.range_noise_m,
+        help="standard deviation of every range reading, m",
+    )
+    group.add_argument(
+        "--dropouts",
+        metavar="FRACTION",
+        type=_number(0.0, LARGEST["dropouts"]),
+        default=PERFECT.dropouts,
+        help="share of the rays that report no hit",
+    )
+    group.add_argument(
+        "--delay",
+        metavar="PERIODS",
+        type=_whole(0, 1),
+        default=PERFECT.delay_periods,
+        help="decision periods by which the scan is late, 0 or 1",
+    )
+    group.add_argument(
+        "--odometry-drift",
+        metavar=("FRACTION", "DEG"),
+        nargs=2,
+        default=("0", "0"),
+        help="error of the robot's idea of where it is: share of the way travelled, and degrees "
+        "for every whole turn",
+    )
+    group.add_argument(
+        "--friction",
+        metavar="MU",
+        type=_number(SMALLEST_FRICTION, LARGEST_FRICTION),
+        default=PERFECT.friction,
+        help=f"between wheels and floor; default: {PERFECT.friction:g}",
+    )
+
+
+def _disturbance(arguments: argparse.Namespace) -> Disturbance:
+    distance, turn = arguments.odometry_drift
+    try:
+        drift_distance = _number(0.0, LARGEST["drift_distance"])(distance)
+        drift_turn = radians(_number(0.0, round(degrees(LARGEST["drift_turn_rad"]), 6))(turn))
+    except argparse.ArgumentTypeError as error:
+        raise UsageError(f"argument --odometry-drift: {error}") from None
+    return Disturbance(
+        range_noise_m=arguments.range_noise,
+        dropouts=arguments.dropouts,
+        delay_periods=arguments.delay,
+        drift_distance=drift_distance,
+        drift_turn_rad=drift_turn,
+        friction=arguments.friction,
     )
 
 
@@ -220,6 +291,23 @@ def _whole(least: int, most: int) -> Callable[[str], int]:
                 f"given {text!r}; allowed is a whole number from {least} to {most}"
             )
         return int(text)
+
+    return convert
+
+
+def _number(least: float, most: float) -> Callable[[str], float]:
+    """A converter to numbers from `least` to `most`."""
+
+    def convert(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = nan
+        if not least <= value <= most:
+            raise argparse.ArgumentTypeError(
+                f"given {text!r}; allowed is a number from {least:g} to {most:g}"
+            )
+        return value
 
     return convert
 

@@ -22,6 +22,7 @@ from fuzzynav_mj.metrics import (
 from fuzzynav_mj.planners.base import NavigationProblem, Observation, Planner
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.scenarios.world import World
+from fuzzynav_mj.sensing.disturbed import Look, Sensors, perfect_sensors
 from fuzzynav_mj.sensing.perception import Perceiver
 from fuzzynav_mj.types import (
     Contact,
@@ -122,6 +123,7 @@ def run_episode(
     planner_rng: np.random.Generator,
     shortest: float,
     versions: Mapping[str, str],
+    sensors: Sensors | None = None,
 ) -> Episode:
     """Runs a freshly reset simulation to its end.
 
@@ -132,7 +134,9 @@ def run_episode(
         planner_rng: the planner's own random stream.
         shortest: length of the shortest path in hindsight, m; for the record.
         versions: of what the episode ran on; for the record.
+        sensors: what the planner is told is read from these; perfect ones by default.
     """
+    sensors = sensors or perfect_sensors()
     began = perf_counter()
     world, spec = simulation.world, simulation.spec
     scenario = world.scenario
@@ -148,6 +152,8 @@ def run_episode(
     )
     perceiver = Perceiver(spec) if planner.requires.obstacles else None
     sees = planner.requires.scan or planner.requires.obstacles
+    perception: Perception | None = None
+    last_scan: LaserScan | None = None
     moments: list[_Moment] = []
     blocks: list[BlockTruth] = []
     start = simulation.pose
@@ -155,20 +161,24 @@ def run_episode(
     while outcome is None:
         before = perf_counter()
         pose, twist = simulation.pose, simulation.twist
-        scan = simulation.scan if sees else None
-        perception = None
-        if perceiver is not None and scan is not None:
-            perception = perceiver.perceive(scan, pose)
-        decision = planner.decide(Observation(simulation.time, pose, twist, scan, perception))
+        look = sensors.look(pose, simulation.scan if sees else None)
+        scan = look.scan
+        if perceiver is not None and scan is not None and scan is not last_scan:
+            perception = perceiver.perceive(scan, look.scan_estimate)
+            last_scan = scan
+        decision = planner.decide(
+            Observation(simulation.time, look.estimate, twist, scan, perception)
+        )
         plan_time = perf_counter() - before
         time, movers = simulation.time, simulation.mover_positions
         if decision.give_up is not None:
             outcome = Outcome(decision.give_up)
             break
-        block = simulation.drive(decision.next_position)
+        target = sensors.target(pose, look, decision.next_position)
+        block = simulation.drive(target)
         blocks.append(block)
         moments.append(
-            _Moment(time, pose, twist, scan, perception, decision, movers, plan_time,
+            _Moment(time, pose, twist, look, perception, decision, target, movers, plan_time,
                     simulation.wheel_command, block)
         )  # fmt: skip
         outcome = simulation.outcome
@@ -204,11 +214,12 @@ def run_episode(
         wall_s=perf_counter() - began,
         physics_steps=sum(len(block.poses) for block in blocks),
         tracking_rms_m=tracking_rms(
-            np.array([moment.decision.next_position for moment in full]).reshape(-1, 2),
+            np.array([moment.target for moment in full]).reshape(-1, 2),
             np.array([moment.block.poses[-1, :2] for moment in full]).reshape(-1, 2),
         ),
         slip_max_mps=max((float(b.slip.max(initial=0.0)) for b in blocks), default=0.0),
         versions=versions,
+        disturbance=sensors.disturbance,
     )
     return Episode(record, _steps(moments, world, spec), world)
 
@@ -220,9 +231,10 @@ class _Moment:
     time: float
     pose: Pose2D
     twist: Twist2D
-    scan: LaserScan | None
+    look: Look
     perception: Perception | None
     decision: Decision
+    target: tuple[float, float]
     movers: FloatArray
     plan_time: float
     wheel_command: WheelSpeeds
@@ -240,7 +252,7 @@ def _steps(moments: list[_Moment], world: World, spec: RobotSpec) -> tuple[StepR
             time=moment.time,
             pose=moment.pose,
             twist=moment.twist,
-            scan=moment.scan,
+            scan=moment.look.scan,
             perception=moment.perception,
             decision=moment.decision,
             mover_positions=moment.movers,
@@ -248,6 +260,7 @@ def _steps(moments: list[_Moment], world: World, spec: RobotSpec) -> tuple[StepR
             wheel_actual=WheelSpeeds(*(float(w) for w in _last(moment.block.wheel_rates))),
             clearance=float(gap),
             plan_time=moment.plan_time,
+            estimate=moment.look.estimate,
         )
         for moment, gap in zip(moments, gaps, strict=True)
     )

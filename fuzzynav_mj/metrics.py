@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass, fields
 from statistics import NormalDist
 from typing import Any
 
@@ -112,6 +112,7 @@ def record_to_json(record: EpisodeRecord) -> dict[str, Any]:
         }
         for contact in record.contacts
     ]
+    values["disturbance"] = asdict(record.disturbance)
     return {name: _plain(value) for name, value in values.items()}
 
 
@@ -119,10 +120,11 @@ def record_to_row(record: EpisodeRecord) -> dict[str, Any]:
     """The record as one flat table row; every record has the same columns, None where empty.
 
     `contacts` becomes `contacts_count` and the first contact's `contact_*`; `versions` becomes
-    one `version_*` column each.
+    one `version_*` column each, and `disturbance` a column for each of its fields.
     """
     row = record_to_json(record)
     contacts, versions = row.pop("contacts"), row.pop("versions")
+    row |= row.pop("disturbance")
     first = contacts[0] if contacts else {}
     row["contacts_count"] = len(contacts)
     for name in ("time_s", "with", "robot_speed_mps", "at_fault"):

@@ -10,6 +10,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from fuzzynav_mj.disturbance import FIELDS, PERFECT, Disturbance
 from fuzzynav_mj.errors import FuzzyNavError
 from fuzzynav_mj.metrics import record_to_row
 from fuzzynav_mj.oracle import Possibility
@@ -23,14 +24,17 @@ TEXT_COLUMNS = (
     "scenario", "planner", "outcome", "contact_with", "scenario_sha256", "planner_sha256",
     "possible",
 )  # fmt: skip
-WHOLE_COLUMNS = ("seed", "contacts_count", "gate_vetoes", "decisions", "physics_steps")
+WHOLE_COLUMNS = (
+    "seed", "contacts_count", "gate_vetoes", "decisions", "physics_steps", "delay_periods",
+)  # fmt: skip
 FLAG_COLUMNS = ("contact_at_fault",)
 COLUMNS = (
     "scenario", "planner", "seed", "outcome", "sim_time_s", "path_length_m", "shortest_path_m",
     "optimality", "min_clearance_m", "risk_max", "risk_mean", "gate_vetoes", "decisions",
     "plan_ms_p50", "plan_ms_p99", "wall_s", "physics_steps", "tracking_rms_m", "slip_max_mps",
     "contacts_count", "contact_time_s", "contact_with", "contact_robot_speed_mps",
-    "contact_at_fault", "version_fuzzynav_mj", "version_mujoco", "version_dm_control",
+    "contact_at_fault", "range_noise_m", "dropouts", "delay_periods", "drift_distance",
+    "drift_turn_rad", "friction", "version_fuzzynav_mj", "version_mujoco", "version_dm_control",
     "version_numpy", "scenario_sha256", "planner_sha256", "possible", "earliest_arrival_s",
 )  # fmt: skip
 """The columns of the table, in order: the fields of the episode record, flattened; the digests of
@@ -44,14 +48,16 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True, slots=True, order=True)
 class EpisodeKey:
-    """What tells one episode of a benchmark from another; sorts as the rows do."""
+    """What tells one episode of a benchmark from another."""
 
     scenario: str
     planner: str
     seed: int
+    disturbance: Disturbance = PERFECT
 
     def __str__(self) -> str:
-        return f"{self.scenario}, {self.planner}, seed {self.seed}"
+        text = f"{self.scenario}, {self.planner}, seed {self.seed}"
+        return text if self.disturbance == PERFECT else f"{text}, {self.disturbance}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +77,17 @@ def key_of(result: EpisodeRecord | FailedEpisode) -> EpisodeKey:
     """Which episode a result is of."""
     if isinstance(result, FailedEpisode):
         return result.key
-    return EpisodeKey(result.scenario, result.planner, result.seed)
+    return EpisodeKey(result.scenario, result.planner, result.seed, result.disturbance)
+
+
+def disturbance_of(row: Row) -> Disturbance:
+    """What a row says of the sensors and the floor; perfect ones where it says nothing.
+
+    Raises:
+        FuzzyNavError: its values are not allowed.
+        TypeError: they are not numbers.
+    """
+    return Disturbance(**{name: row[name] for name in FIELDS if name in row})
 
 
 def possibility_columns(found: Possibility) -> Row:
@@ -149,7 +165,8 @@ class EpisodeLog:
         """
         key = key_of(result)
         if isinstance(result, FailedEpisode):
-            row: Row = asdict(key) | {"error": result.reason}
+            row: Row = {"scenario": key.scenario, "planner": key.planner, "seed": key.seed}
+            row |= asdict(key.disturbance) | {"error": result.reason}
         else:
             digests = {"scenario_sha256": scenario_sha256, "planner_sha256": planner_sha256}
             row = record_to_row(result) | digests
@@ -176,8 +193,9 @@ class EpisodeLog:
             self._keep(key, row)
 
     def sorted_rows(self) -> list[Row]:
-        """The finished episodes by scenario, planner and seed, in whatever order they came."""
-        return [self.rows[key] for key in sorted(self.rows)]
+        """The finished episodes by scenario, planner, disturbance and seed."""
+        keys = sorted(self.rows, key=lambda k: (k.scenario, k.planner, k.disturbance, k.seed))
+        return [self.rows[key] for key in keys]
 
     def close(self) -> None:
         """Close the file; nothing can be added afterwards."""
@@ -197,8 +215,10 @@ class EpisodeLog:
     def _read(self, line: bytes, number: int) -> None:
         try:
             row = json.loads(line)
-            key = EpisodeKey(str(row["scenario"]), str(row["planner"]), int(row["seed"]))
-        except (ValueError, KeyError, TypeError):
+            key = EpisodeKey(
+                str(row["scenario"]), str(row["planner"]), int(row["seed"]), disturbance_of(row)
+            )
+        except (ValueError, KeyError, TypeError, FuzzyNavError):
             raise FuzzyNavError(
                 f"{self.folder / LOG}: line {number}: given text that is not an episode; "
                 "allowed is one JSON object with scenario, planner and seed"

@@ -6,6 +6,7 @@ from importlib.metadata import version
 import numpy as np
 
 import fuzzynav_mj
+from fuzzynav_mj.disturbance import PERFECT, Disturbance
 from fuzzynav_mj.episode import Episode, run_episode
 from fuzzynav_mj.oracle import Possibility, assess
 from fuzzynav_mj.planners import make_planner
@@ -13,19 +14,23 @@ from fuzzynav_mj.robot import DEFAULT_ROBOT
 from fuzzynav_mj.scenarios.schema import Bounds, Scenario
 from fuzzynav_mj.scenarios.shape import Shape
 from fuzzynav_mj.scenarios.world import make_world
+from fuzzynav_mj.sensing.disturbed import Sensors
 from fuzzynav_mj.shortest_path import shortest_path
 
 Point = tuple[float, float]
 Circle = tuple[float, float, float]
 
 
-def play_episode(scenario: Scenario, planner: str, seed: int) -> Episode:
+def play_episode(
+    scenario: Scenario, planner: str, seed: int, disturbance: Disturbance = PERFECT
+) -> Episode:
     """Simulate one episode from its start to its end.
 
     Args:
         scenario: what to drive through.
         planner: name of a planner.
         seed: of everything random in the episode; not negative.
+        disturbance: what is wrong with the sensors and the floor.
 
     Raises:
         UnknownNameError: no planner has this name.
@@ -35,7 +40,7 @@ def play_episode(scenario: Scenario, planner: str, seed: int) -> Episode:
     # MuJoCo and dm_control take longer to import than a wrong name takes to be found.
     from fuzzynav_mj.tasks.simulation import EpisodeSimulation
 
-    simulation = EpisodeSimulation(scenario, seed)
+    simulation = EpisodeSimulation(scenario, seed, disturbance.friction)
     return run_episode(
         simulation,
         chosen,
@@ -43,6 +48,7 @@ def play_episode(scenario: Scenario, planner: str, seed: int) -> Episode:
         simulation.planner_rng,
         shortest_length(scenario),
         versions(),
+        Sensors(disturbance, simulation.sensor_rng),
     )
 
 

@@ -1,4 +1,4 @@
-"""What a benchmark's episodes say together: one line for every scenario and planner."""
+"""What a benchmark's episodes say together: a line for every scenario, planner and disturbance."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -6,8 +6,9 @@ from itertools import groupby
 from math import nan
 from statistics import fmean, median, stdev
 
+from fuzzynav_mj.disturbance import PERFECT, Disturbance
 from fuzzynav_mj.metrics import wilson_interval
-from fuzzynav_mj.results import IMPOSSIBLE, POSSIBLE, UNKNOWN, EpisodeKey, Row
+from fuzzynav_mj.results import IMPOSSIBLE, POSSIBLE, UNKNOWN, EpisodeKey, Row, disturbance_of
 from fuzzynav_mj.types import Outcome
 
 HEADINGS = (
@@ -15,6 +16,9 @@ HEADINGS = (
     "optimality %", "vetoes", "plan ms",
 )  # fmt: skip
 """The table's columns; a narrow terminal does without the last ones."""
+
+DISTURBANCE = "disturbance"
+"""A column after the planner, where the sensors or the floor were not always perfect."""
 
 OF_POSSIBLE = "of the possible %"
 """A column after the success, where the oracle was asked."""
@@ -43,11 +47,12 @@ class Spread:
 
 @dataclass(frozen=True, slots=True)
 class GroupSummary:
-    """The episodes of one scenario and planner.
+    """The episodes of one scenario, planner and disturbance.
 
     Attributes:
         scenario: its name.
         planner: its name.
+        disturbance: what was wrong with the sensors and the floor.
         episodes: finished episodes.
         successes: episodes that reached the goal without contact.
         interval: Wilson 95 % interval of the success rate.
@@ -67,6 +72,7 @@ class GroupSummary:
 
     scenario: str
     planner: str
+    disturbance: Disturbance
     episodes: int
     successes: int
     interval: tuple[float, float]
@@ -85,32 +91,38 @@ class GroupSummary:
 
 
 def summarise(rows: Iterable[Row]) -> list[GroupSummary]:
-    """One summary for every scenario and planner; `rows` sorted by both."""
+    """One summary for every scenario, planner and disturbance; `rows` sorted by these."""
     return [
-        _summarise_group(scenario, planner, list(group))
-        for (scenario, planner), group in groupby(
-            rows, key=lambda row: (row["scenario"], row["planner"])
+        _summarise_group(scenario, planner, disturbance, list(group))
+        for (scenario, planner, disturbance), group in groupby(
+            rows, key=lambda row: (row["scenario"], row["planner"], disturbance_of(row))
         )
     ]
 
 
 def headings(summaries: Iterable[GroupSummary]) -> tuple[str, ...]:
     """`HEADINGS`, and what else there is to tell of these summaries."""
-    if not any(group.judged for group in summaries):
-        return HEADINGS
-    return (*HEADINGS[:4], OF_POSSIBLE, *HEADINGS[4:])
+    summaries = list(summaries)
+    disturbed = any(group.disturbance != PERFECT for group in summaries)
+    judged = any(group.judged for group in summaries)
+    return (
+        *HEADINGS[:2], *([DISTURBANCE] if disturbed else []),
+        *HEADINGS[2:4], *([OF_POSSIBLE] if judged else []),
+        *HEADINGS[4:],
+    )  # fmt: skip
 
 
 def table_cells(summaries: Sequence[GroupSummary]) -> list[tuple[str, ...]]:
     """The summaries as the texts under their `headings`."""
-    judged = OF_POSSIBLE in headings(summaries)
+    columns = headings(summaries)
     return [
         (
             group.scenario,
             group.planner,
+            *([str(group.disturbance)] if DISTURBANCE in columns else []),
             f"{group.successes} / {group.episodes}",
             _rate_text(group.successes, group.episodes, group.interval),
-            *([_possible_text(group)] if judged else []),
+            *([_possible_text(group)] if OF_POSSIBLE in columns else []),
             _spread_text(group.path_length, 2),
             _spread_text(group.sim_time, 1),
             f"{group.contacts} ({group.contacts_at_fault} at fault)" if group.contacts else "0",
@@ -168,13 +180,16 @@ def _worlds_section(rows: Iterable[Row], verdict: str, title: str, text: str) ->
     )
 
 
-def _summarise_group(scenario: str, planner: str, rows: Sequence[Row]) -> GroupSummary:
+def _summarise_group(
+    scenario: str, planner: str, disturbance: Disturbance, rows: Sequence[Row]
+) -> GroupSummary:
     reached = [row for row in rows if row["outcome"] == Outcome.GOAL_REACHED.value]
     possible = sum(row.get("possible") == POSSIBLE for row in rows)
     of_possible = sum(row.get("possible") == POSSIBLE for row in reached)
     return GroupSummary(
         scenario=scenario,
         planner=planner,
+        disturbance=disturbance,
         episodes=len(rows),
         successes=len(reached),
         interval=wilson_interval(len(reached), len(rows)),

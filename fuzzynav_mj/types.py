@@ -13,6 +13,8 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from fuzzynav_mj.disturbance import PERFECT, Disturbance
+
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 IntArray = npt.NDArray[np.intp]
@@ -221,7 +223,7 @@ class StepRecord:
         time: simulated time of the decision, s.
         pose: of the footprint's centre (truth).
         twist: of the robot (truth).
-        scan: None for planners that declared none.
+        scan: as the planner was told; None for planners that declared none.
         perception: None for planners that declared no obstacles.
         decision: what the planner decided.
         mover_positions: (movers, 2) origins of the moving obstacles (truth).
@@ -229,6 +231,8 @@ class StepRecord:
         wheel_actual: wheel speeds at the end of the period (truth).
         clearance: gap between footprint and nearest obstacle at `time`, m (truth).
         plan_time: wall time of perception and decision together, s.
+        estimate: where the planner believed the robot to be, which its perception and decision
+            refer to; None where nothing is known of it.
     """
 
     time: float
@@ -242,6 +246,7 @@ class StepRecord:
     wheel_actual: WheelSpeeds
     clearance: float
     plan_time: float
+    estimate: Pose2D | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -269,3 +274,4 @@ class EpisodeRecord:
     tracking_rms_m: float
     slip_max_mps: float
     versions: Mapping[str, str] = field(default_factory=dict)
+    disturbance: Disturbance = PERFECT

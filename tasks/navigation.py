@@ -59,11 +59,19 @@ class NavigateToGoal(composer.Task):
         scenario: what to drive through.
         seed: of the first episode; the k-th reset plays seed + k.
         spec: the robot's parameters.
+        friction: sliding friction coefficient between wheels and floor; None for the model's.
     """
 
-    def __init__(self, scenario: Scenario, seed: int, spec: RobotSpec = DEFAULT_ROBOT) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        seed: int,
+        spec: RobotSpec = DEFAULT_ROBOT,
+        friction: float | None = None,
+    ) -> None:
         self.scenario = scenario
         self.spec = spec
+        self._friction = friction
         self.seed = seed - 1  # the first reset advances it to the given one
         self.streams = episode_streams(seed)
         self.world: World = make_world(scenario, self.streams.scenario)
@@ -147,6 +155,14 @@ class NavigateToGoal(composer.Task):
             for side in ("left", "right")
         ]
         self._wheel_dofs = np.array([int(wheel.dofadr[0]) for wheel in wheels])
+        if self._friction is not None:
+            # MuJoCo takes the larger of the two geoms' coefficients.
+            touching = [
+                self._robot.mjcf_model.find("geom", f"wheel_{s}") for s in ("left", "right")
+            ]
+            touching.append(self._arena.mjcf_model.find("geom", "floor"))
+            for geom in touching:
+                model.geom_friction[model.geom(geom.full_identifier).id, 0] = self._friction
         self._ctrl = data.ctrl
         actuators = [model.actuator(a.full_identifier).id for a in self._robot.actuators]
         self._wheel_order = np.argsort(actuators)  # the wheel behind each actuator

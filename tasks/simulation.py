@@ -12,10 +12,16 @@ from fuzzynav_mj.types import Contact, FloatArray, LaserScan, Outcome, Pose2D, T
 
 
 class EpisodeSimulation:
-    """A reset environment seen as one episode."""
+    """A reset environment seen as one episode.
 
-    def __init__(self, scenario: Scenario, seed: int) -> None:
-        self._task = NavigateToGoal(scenario, seed)
+    Args:
+        scenario: what to drive through.
+        seed: of everything random in the episode.
+        friction: sliding friction coefficient between wheels and floor; None for the model's.
+    """
+
+    def __init__(self, scenario: Scenario, seed: int, friction: float | None = None) -> None:
+        self._task = NavigateToGoal(scenario, seed, friction=friction)
         self._environment = NavigationEnvironment(self._task)
         self._environment.reset()
 
@@ -38,6 +44,11 @@ class EpisodeSimulation:
     def planner_rng(self) -> np.random.Generator:
         """The planner's own random stream."""
         return self._task.streams.planner
+
+    @property
+    def sensor_rng(self) -> np.random.Generator:
+        """The sensors' own random stream."""
+        return self._task.streams.sensor
 
     @property
     def pose(self) -> Pose2D:

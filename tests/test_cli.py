@@ -56,6 +56,7 @@ FIELDS: dict[str, tuple[type, ...]] = {
     "tracking_rms_m": NUMBER,
     "slip_max_mps": NUMBER,
     "versions": (dict,),
+    "disturbance": (dict,),
 }
 
 

@@ -17,6 +17,7 @@ from fuzzynav_mj.benchmark import (
     run_jobs,
     run_parallel,
 )
+from fuzzynav_mj.disturbance import PERFECT, Disturbance
 from fuzzynav_mj.errors import FuzzyNavError
 from fuzzynav_mj.planners import make_planner
 from fuzzynav_mj.planners.own import file_digest
@@ -62,6 +63,7 @@ def bench(
     folder: Path,
     resume: bool,
     oracle: bool = False,
+    disturbance: Disturbance = PERFECT,
 ) -> int:
     """Run episodes, and write and print what they say.
 
@@ -74,6 +76,7 @@ def bench(
         resume: keep the episodes that the folder holds and run what is missing.
         oracle: judge whether each world leaves a contact-free run at all; of episodes that the
             folder holds from the same scenario files too.
+        disturbance: what is wrong with the sensors and the floor.
 
     Returns:
         The exit status: 0 if every episode was run, 1 if some failed, 130 after Ctrl-C.
@@ -88,7 +91,7 @@ def bench(
     digests = Digests(scenario_digests, {name: file_digest(name) for name in chosen})
     with EpisodeLog(folder, resume) as log:
         _mention_differences(log, digests)
-        jobs = episode_jobs(scenarios, chosen, seeds)
+        jobs = episode_jobs(scenarios, chosen, seeds, disturbance)
         missing = [job for job in jobs if job.key not in log.rows]
         if len(missing) < len(jobs):
             _note(f"{len(jobs) - len(missing)} of {len(jobs)} episodes are in {folder} already")

@@ -9,6 +9,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+from fuzzynav_mj.disturbance import PERFECT, Disturbance
 from fuzzynav_mj.errors import FuzzyNavError
 from fuzzynav_mj.metrics import record_to_json
 from fuzzynav_mj.robot import DEFAULT_ROBOT
@@ -26,6 +27,7 @@ def run(
     recording: Path | None = None,
     as_json: bool = False,
     quiet: bool = False,
+    disturbance: Disturbance = PERFECT,
 ) -> int:
     """Simulate one episode and print what became of it.
 
@@ -36,6 +38,7 @@ def run(
         recording: Rerun file to write.
         as_json: print the episode record as one JSON object, and nothing else.
         quiet: print nothing but that.
+        disturbance: what is wrong with the sensors and the floor.
 
     Returns:
         The exit status: 0 if the goal was reached without contact, else 1.
@@ -46,7 +49,7 @@ def run(
     checked = load_scenario(scenario)
     if recording is not None:
         check_recording_target(recording)
-    episode = play_episode(checked, planner, seed)
+    episode = play_episode(checked, planner, seed, disturbance)
     record = episode.record
     if recording is not None:
         from fuzzynav_mj.rerun_log import write_recording
@@ -112,6 +115,8 @@ def summary_lines(record: EpisodeRecord, recording: Path | None) -> list[tuple[s
         ("risk", f"{risk}; {record.gate_vetoes} vetoes in {record.decisions} decisions"),
         ("planning", f"{record.plan_ms_p50:.1f} ms median, {record.plan_ms_p99:.1f} ms 99th pct."),
     ]
+    if record.disturbance != PERFECT:
+        lines.append(("disturbance", str(record.disturbance)))
     if recording is not None:
         viewer = shlex.join([_viewer(), str(recording)])
         lines += [("recording", str(recording)), ("open it with", viewer)]
