@@ -227,7 +227,8 @@ def _add_disturbance(parser: argparse.ArgumentParser) -> None:
         "--odometry-drift",
         metavar=("FRACTION", "DEG"),
         nargs=2,
-        default=("0", "0"),
+        action=_Drift,
+        default=(PERFECT.drift_distance, PERFECT.drift_turn_rad),
         help="error of the robot's idea of where it is: share of the way travelled, and degrees "
         "for every whole turn",
     )
@@ -240,13 +241,29 @@ def _add_disturbance(parser: argparse.ArgumentParser) -> None:
     )
 
 
+class _Drift(argparse.Action):
+    """Takes the two numbers of `--odometry-drift`."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,
+        option_string: str | None = None,
+    ) -> None:
+        limits = LARGEST["drift_distance"], round(degrees(LARGEST["drift_turn_rad"]), 6)
+        for text, limit in zip(values, limits, strict=True):
+            if not 0.0 <= _float(text) <= limit:
+                raise argparse.ArgumentError(
+                    self,
+                    f"given {text!r}; allowed is FRACTION from 0 to {limits[0]:g} and DEG from 0 "
+                    f"to {limits[1]:g}",
+                )
+        setattr(namespace, self.dest, (float(values[0]), radians(float(values[1]))))
+
+
 def _disturbance(arguments: argparse.Namespace) -> Disturbance:
-    distance, turn = arguments.odometry_drift
-    try:
-        drift_distance = _number(0.0, LARGEST["drift_distance"])(distance)
-        drift_turn = radians(_number(0.0, round(degrees(LARGEST["drift_turn_rad"]), 6))(turn))
-    except argparse.ArgumentTypeError as error:
-        raise UsageError(f"argument --odometry-drift: {error}") from None
+    drift_distance, drift_turn = arguments.odometry_drift
     return Disturbance(
         range_noise_m=arguments.range_noise,
         dropouts=arguments.dropouts,
@@ -299,10 +316,7 @@ def _number(least: float, most: float) -> Callable[[str], float]:
     """A converter to numbers from `least` to `most`."""
 
     def convert(text: str) -> float:
-        try:
-            value = float(text)
-        except ValueError:
-            value = nan
+        value = _float(text)
         if not least <= value <= most:
             raise argparse.ArgumentTypeError(
                 f"given {text!r}; allowed is a number from {least:g} to {most:g}"
@@ -310,6 +324,13 @@ def _number(least: float, most: float) -> Callable[[str], float]:
         return value
 
     return convert
+
+
+def _float(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return nan
 
 
 if __name__ == "__main__":
