@@ -14,7 +14,16 @@ import pyarrow.parquet as pq
 import pytest
 
 from fuzzynav_mj import runner
-from fuzzynav_mj.benchmark import RETRIES, EpisodeJob, episode_jobs, play_job, run_jobs
+from fuzzynav_mj.benchmark import (
+    RETRIES,
+    THREADS,
+    EpisodeJob,
+    WorldJob,
+    episode_jobs,
+    play_job,
+    run_jobs,
+    run_parallel,
+)
 from fuzzynav_mj.cli import main
 from fuzzynav_mj.commands import bench as bench_command
 from fuzzynav_mj.errors import FuzzyNavError
@@ -92,6 +101,11 @@ def linger(folder: Path, job: EpisodeJob) -> EpisodeRecord:
     return play_nothing(job)
 
 
+def threads(job: WorldJob) -> tuple[str | None, ...]:
+    """What the process that it runs in was told."""
+    return tuple(os.environ.get(name) for name in THREADS)
+
+
 def keys(results: Sequence[EpisodeRecord | FailedEpisode]) -> list[int]:
     return sorted(r.key.seed if isinstance(r, FailedEpisode) else r.seed for r in results)
 
@@ -156,6 +170,15 @@ def test_closing_stops_the_processes_in_the_middle_of_their_episodes(write_scena
     results.close()
     assert active_children() == []
     assert list(tmp_path.glob("finished*")) == []
+
+
+def test_processes_do_linear_algebra_in_one_thread_or_as_the_user_says(write_scenario, monkeypatch):
+    job = WorldJob(load_scenario(write_scenario("a")), 0)
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
+    monkeypatch.setenv("OMP_NUM_THREADS", "3")
+    before = dict(os.environ)
+    assert list(run_parallel([job], 1, threads)) == [("1", "3")]
+    assert dict(os.environ) == before
 
 
 def test_an_error_in_an_episode_is_its_own(monkeypatch, write_scenario):
