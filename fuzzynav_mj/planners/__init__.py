@@ -13,11 +13,13 @@ from fuzzynav_mj.planners.own import (
     planner_from_file,
     registered_planners,
 )
+from fuzzynav_mj.planners.peers.dwa import DynamicWindowPlanner
 from fuzzynav_mj.planners.variants import has_options, make_variant
 
 PLANNERS: dict[str, Callable[[], Planner]] = {
     "fuzzy": lambda: MultilayerPlanner(RiskGate()),
     "multilayer": MultilayerPlanner,
+    "dwa": DynamicWindowPlanner,
 }
 
 
