@@ -14,12 +14,14 @@ from fuzzynav_mj.planners.own import (
     registered_planners,
 )
 from fuzzynav_mj.planners.peers.dwa import DynamicWindowPlanner
+from fuzzynav_mj.planners.peers.orca import OrcaPlanner
 from fuzzynav_mj.planners.variants import has_options, make_variant
 
 PLANNERS: dict[str, Callable[[], Planner]] = {
     "fuzzy": lambda: MultilayerPlanner(RiskGate()),
     "multilayer": MultilayerPlanner,
     "dwa": DynamicWindowPlanner,
+    "orca": OrcaPlanner,
 }
 
 

@@ -3,6 +3,7 @@
 from math import pi
 
 import numpy as np
+import numpy.typing as npt
 
 from fuzzynav_mj.planners.base import NavigationProblem, Observation
 from fuzzynav_mj.robot import DEFAULT_ROBOT
@@ -63,3 +64,28 @@ def observe(
         scan=scan,
         perception=Perception(scan, obstacles, nothing),
     )
+
+
+def seen_obstacle(
+    points: npt.ArrayLike, velocity: tuple[float, float] | None = None
+) -> PerceivedObstacle:
+    """What is perceived of an obstacle with hits (k, 2); it stands if it has no velocity."""
+    spots = np.array(points, dtype=float)
+    speed = np.zeros(2) if velocity is None else np.array(velocity)
+    nearest = spots[np.hypot(*spots.T).argmin()]
+    return PerceivedObstacle(
+        points=spots,
+        nearest_point=nearest,
+        distance=float(np.hypot(*nearest)),
+        bearing=float(np.arctan2(nearest[1], nearest[0])),
+        dynamic=velocity is not None,
+        approaching=bool(speed @ nearest < 0.0),
+        velocity=speed,
+    )
+
+
+def round_mover(x: float, y: float, velocity: tuple[float, float]) -> PerceivedObstacle:
+    """A disc of radius 8 cm of which the half towards -x is seen."""
+    angle = np.linspace(np.pi / 2, 3 * np.pi / 2, 7)
+    rim = 0.08 * np.stack((np.cos(angle), np.sin(angle)), axis=1)
+    return seen_obstacle(rim + np.array([x, y]), velocity)
