@@ -14,6 +14,7 @@ from fuzzynav_mj.planners.own import (
     registered_planners,
 )
 from fuzzynav_mj.planners.peers.dwa import DynamicWindowPlanner
+from fuzzynav_mj.planners.peers.mppi import MppiPlanner
 from fuzzynav_mj.planners.peers.orca import OrcaPlanner
 from fuzzynav_mj.planners.variants import has_options, make_variant
 
@@ -21,6 +22,7 @@ PLANNERS: dict[str, Callable[[], Planner]] = {
     "fuzzy": lambda: MultilayerPlanner(RiskGate()),
     "multilayer": MultilayerPlanner,
     "dwa": DynamicWindowPlanner,
+    "mppi": MppiPlanner,
     "orca": OrcaPlanner,
 }
 
