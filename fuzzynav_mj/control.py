@@ -70,16 +70,38 @@ def _steepest(slope: float, period: float, steps: int) -> FloatArray:
     return change
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Turning:
+    """What a period's yaw rates do to the centre, whatever the forward speeds.
+
+    Attributes:
+        cos: (k,) of the yaw half-way through each physics step.
+        sin: (k,) the same.
+        aside: (x, y) sum of the speeds that the turning alone gives the centre, world frame, m/s.
+    """
+
+    cos: FloatArray
+    sin: FloatArray
+    aside: tuple[float, float]
+
+
+def _turning(yaw: float, omega: FloatArray, spec: RobotSpec) -> _Turning:
+    dt = spec.physics_period
+    turned = yaw + omega.cumsum() * dt - omega * (dt / 2)
+    c, s = np.cos(turned), np.sin(turned)
+    side = spec.axle_offset * omega
+    return _Turning(c, s, (s.dot(side), c.dot(side)))
+
+
+def _displacement(turning: _Turning, v: FloatArray, spec: RobotSpec) -> tuple[float, float]:
+    dt = spec.physics_period
+    x, y = turning.cos.dot(v) - turning.aside[0], turning.sin.dot(v) + turning.aside[1]
+    return float(x) * dt, float(y) * dt
+
+
 def centre_displacement(yaw: float, profile: SpeedProfile, spec: RobotSpec) -> tuple[float, float]:
     """World-frame displacement of the footprint's centre over one period of the profile."""
-    dt = spec.physics_period
-    turned = yaw + profile.omega.cumsum() * dt - profile.omega * (dt / 2)
-    c, s = np.cos(turned), np.sin(turned)
-    side = spec.axle_offset * profile.omega
-    return (
-        float(np.dot(c, profile.v) - np.dot(s, side)) * dt,
-        float(np.dot(s, profile.v) + np.dot(c, side)) * dt,
-    )
+    return _displacement(_turning(yaw, profile.omega, spec), profile.v, spec)
 
 
 def drive_towards(
@@ -120,8 +142,14 @@ def _ramps_towards(
         lowest, highest = twist.omega - reach_omega, twist.omega + reach_omega
         return v, min(max(omega, lowest, -spec.max_yaw_rate), highest, spec.max_yaw_rate)
 
-    def error(v: float, omega: float) -> tuple[float, float]:
-        moved = centre_displacement(yaw, _profile(twist, v, omega, spec), spec)
+    def speeds(v: float) -> FloatArray:
+        return ramp(twist.v, v, spec.max_acceleration, period, spec.substeps)
+
+    def rates(omega: float) -> FloatArray:
+        return ramp(twist.omega, omega, spec.max_yaw_acceleration, period, spec.substeps)
+
+    def error(turning: _Turning, v: FloatArray) -> tuple[float, float]:
+        moved = _displacement(turning, v, spec)
         return moved[0] - target[0], moved[1] - target[1]
 
     turned = 0.0
@@ -132,16 +160,20 @@ def _ramps_towards(
             final_speed(forward / period, twist.v, reach_v),
             final_speed(left / (period * spec.axle_offset), twist.omega, reach_omega),
         )
-        turned = _mean_turn(_profile(twist, v, omega, spec), spec)
-    ex, ey = error(v, omega)
-    best = (hypot(ex, ey), v, omega)
+        omegas = rates(omega)
+        turned = _mean_turn(omegas, spec)
+    profile = SpeedProfile(speeds(v), omegas)
+    turning = _turning(yaw, omegas, spec)
+    ex, ey = error(turning, profile.v)
+    best, best_miss = profile, hypot(ex, ey)
     for _ in range(_NEWTON_STEPS):
         # A miss that is not small is no matter of precision: the target is out of reach, and
         # pursuing it would only turn the motion away from its direction.
         if not _EXACT < hypot(ex, ey) < _WITHIN_REACH:
             break
         dv, dw = copysign(_PROBE, twist.v - v), copysign(_PROBE, twist.omega - omega)  # inwards
-        ahead, aside = error(v + dv, omega), error(v, omega + dw)
+        ahead = error(turning, speeds(v + dv))
+        aside = error(_turning(yaw, rates(omega + dw), spec), profile.v)
         xv, yv = (ahead[0] - ex) / dv, (ahead[1] - ey) / dv
         xw, yw = (aside[0] - ex) / dw, (aside[1] - ey) / dw
         determinant = xv * yw - xw * yv
@@ -150,24 +182,17 @@ def _ramps_towards(
         v, omega = within_limits(
             v - (yw * ex - xw * ey) / determinant, omega - (xv * ey - yv * ex) / determinant
         )
-        ex, ey = error(v, omega)
-        best = min(best, (hypot(ex, ey), v, omega))
-    miss, v, omega = best
-    return _profile(twist, v, omega, spec), miss
+        profile = SpeedProfile(speeds(v), rates(omega))
+        turning = _turning(yaw, profile.omega, spec)
+        ex, ey = error(turning, profile.v)
+        if hypot(ex, ey) < best_miss:
+            best, best_miss = profile, hypot(ex, ey)
+    return best, best_miss
 
 
-def _profile(twist: Twist2D, v: float, omega: float, spec: RobotSpec) -> SpeedProfile:
-    """The ramps from the present speeds to those at the period's end."""
-    period, steps = spec.decision_period, spec.substeps
-    return SpeedProfile(
-        v=ramp(twist.v, v, spec.max_acceleration, period, steps),
-        omega=ramp(twist.omega, omega, spec.max_yaw_acceleration, period, steps),
-    )
-
-
-def _mean_turn(profile: SpeedProfile, spec: RobotSpec) -> float:
+def _mean_turn(omega: FloatArray, spec: RobotSpec) -> float:
     """Mean over the period of the angle turned since its start, rad."""
-    return float(profile.omega.cumsum().sum()) / len(profile.omega) * spec.physics_period
+    return float(omega.cumsum().sum()) / len(omega) * spec.physics_period
 
 
 def wheel_speeds(v: float, omega: float, spec: RobotSpec) -> WheelSpeeds:
@@ -179,4 +204,7 @@ def wheel_speeds(v: float, omega: float, spec: RobotSpec) -> WheelSpeeds:
 def wheel_table(profile: SpeedProfile, spec: RobotSpec) -> FloatArray:
     """(k, 2) left and right wheel speeds for each physics step, rad/s."""
     half = profile.omega * (spec.track / 2)
-    return np.stack((profile.v - half, profile.v + half), axis=1) / spec.wheel_radius
+    table: FloatArray = np.empty((len(half), 2))
+    table[:, 0], table[:, 1] = profile.v - half, profile.v + half
+    table /= spec.wheel_radius
+    return table

@@ -25,4 +25,4 @@ class NavigationEnvironment(composer.Environment):
     def _substep(self, action: np.ndarray) -> None:
         # Composer's own loop splits every physics step in two and runs its hooks around each;
         # the task's block takes plain steps instead, at about half the cost.
-        self._task.advance(self._physics)
+        self._task.advance()

@@ -29,7 +29,7 @@ _DIVERGENCE = [
     int(mujoco.mjtWarning.mjWARN_BADQVEL),
     int(mujoco.mjtWarning.mjWARN_BADQACC),
 ]
-_TABLE_STEPS = 400  # physics steps for which mover positions are computed at a time
+_TABLE_STEPS = 2000  # physics steps for which mover positions are computed at a time
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,7 +196,6 @@ class NavigateToGoal(composer.Task):
         )  # fmt: skip
         self._mocap_places[:] = self._mover_rows(0, 1)[0].take(self._mocap_order, axis=0)
         self._scan = None
-        self.block: BlockTruth | None = None
 
     # One decision period -------------------------------------------------------------------
 
@@ -205,13 +204,20 @@ class NavigateToGoal(composer.Task):
     ) -> None:
         """Turns the next position into wheel speeds inside the acceleration limits."""
         del physics, random_state
-        x, y = (float(value) for value in action)
+        self.aim(float(action[0]), float(action[1]))
+
+    def aim(self, x: float, y: float) -> None:
+        """Plans the wheel speeds of one decision period towards the next position (x, y).
+
+        Raises:
+            FuzzyNavError: the next position is not finite.
+        """
         if not (isfinite(x) and isfinite(y)):
             raise FuzzyNavError(f"action: given ({x}, {y}); allowed is a finite next position, m")
         self.profile: SpeedProfile = drive_towards((x, y), self.pose, self._commanded, self.spec)
         self._commanded = self.profile.final
 
-    def advance(self, physics: mjcf.Physics) -> None:
+    def advance(self) -> BlockTruth:
         """Takes the physics steps of one decision period, or fewer where contact ends them.
 
         Obstacles move and contact is checked on every step. A step here begins with the forces
@@ -226,23 +232,24 @@ class NavigateToGoal(composer.Task):
         places, speeds = np.empty((steps, 7)), np.empty((steps, model.nv))
         hit, ctrl, mocap_places = self._hit, self._ctrl, self._mocap_places
         place, speed = self._place, data.qvel
+        before, after = mujoco.mj_step2, mujoco.mj_step1
         taken = 0
-        for index in range(steps):
-            ctrl[:] = wheels[index]
-            mujoco.mj_step2(model, data)
-            mocap_places[:] = mocap[index]
-            mujoco.mj_step1(model, data)
-            places[index] = place
-            speeds[index] = speed
+        for wheel, targets, place_row, speed_row in zip(wheels, mocap, places, speeds, strict=True):
+            ctrl[:] = wheel
+            before(model, data)
+            mocap_places[:] = targets
+            after(model, data)
+            place_row[:] = place
+            speed_row[:] = speed
             taken += 1
-            if hit[0] > 0.0:
+            if hit.item() > 0.0:
                 self._contact = self._read_contact()
                 break
         self._step += taken
         # Warnings tell of numbers that are too large, not only of those that are not finite.
         self._diverged = bool(data.warning.number[_DIVERGENCE].any())
         self._scan = None
-        self.block = self._block_truth(places[:taken], speeds[:taken], movers[:taken])
+        return self._block_truth(places[:taken], speeds[:taken], movers[:taken])
 
     def _mover_rows(self, first: int, count: int) -> FloatArray:
         """(count, movers, 2) mover positions at physics steps first, first + 1, ..."""
@@ -258,17 +265,17 @@ class NavigateToGoal(composer.Task):
     def _block_truth(
         self, places: FloatArray, speeds: FloatArray, movers: FloatArray
     ) -> BlockTruth:
-        w, z = places[:, 3], places[:, 6]
-        yaw = 2.0 * np.arctan2(z, w)
-        velocity = speeds[:, self._speed_slice]
+        yaw = 2.0 * np.arctan2(places[:, 6], places[:, 3])
+        x, y, turning = (speeds[:, self._speed_slice.start + k] for k in (0, 1, 5))
         c, s = np.cos(yaw), np.sin(yaw)
-        forward = velocity[:, 0] * c + velocity[:, 1] * s
-        left = velocity[:, 1] * c - velocity[:, 0] * s - self.spec.axle_offset * velocity[:, 5]
+        forward = x * c + y * s
+        aside = y * c - x * s - self.spec.axle_offset * turning
         rates = speeds[:, self._wheel_dofs]
-        half = velocity[:, 5:6] * (self.spec.track / 2) * np.array([-1.0, 1.0])
-        rolling = forward[:, None] + half - rates * self.spec.wheel_radius
-        slip = np.hypot(np.abs(rolling).max(axis=1, initial=0.0), left)
-        poses = np.column_stack((places[:, 0], places[:, 1], wrap_angle(yaw)))
+        half, rolled = turning * (self.spec.track / 2), rates * self.spec.wheel_radius
+        left, right = forward - half - rolled[:, 0], forward + half - rolled[:, 1]
+        slip = np.hypot(np.maximum(np.abs(left), np.abs(right)), aside)
+        poses = np.empty((len(places), 3))
+        poses[:, :2], poses[:, 2] = places[:, :2], wrap_angle(yaw)
         return BlockTruth(poses, movers, rates, slip)
 
     def _read_contact(self) -> Contact:

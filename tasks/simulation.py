@@ -22,6 +22,7 @@ class EpisodeSimulation:
 
     def __init__(self, scenario: Scenario, seed: int, friction: float | None = None) -> None:
         self._task = NavigateToGoal(scenario, seed, friction=friction)
+        # Kept, because the task's physics lives as long as its environment does.
         self._environment = NavigationEnvironment(self._task)
         self._environment.reset()
 
@@ -92,7 +93,6 @@ class EpisodeSimulation:
 
     def drive(self, next_position: tuple[float, float]) -> BlockTruth:
         """Simulates one decision period towards the next position."""
-        self._environment.step(np.array(next_position))
-        block = self._task.block
-        assert block is not None
-        return block
+        # What the environment's own step adds is for agents: observations, rewards, resets.
+        self._task.aim(*next_position)
+        return self._task.advance()
