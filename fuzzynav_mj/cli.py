@@ -98,6 +98,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_run(commands.add_parser("run", help="simulate one episode", epilog=EXIT_STATUS))
     _add_bench(commands.add_parser("bench", help="run many episodes", epilog=EXIT_STATUS))
     _add_list(commands.add_parser("list", help="list the scenarios or the planners"))
+    _add_speed(commands.add_parser("speed", help="measure what an episode costs, by stages"))
     _add_check(commands.add_parser("check", help="check scenario files", epilog=EXIT_STATUS))
     return parser
 
@@ -285,6 +286,42 @@ def _list(arguments: argparse.Namespace) -> int:
     from fuzzynav_mj.commands.listing import list_planners, list_scenarios
 
     return list_scenarios() if arguments.what == "scenarios" else list_planners()
+
+
+def _add_speed(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "scenarios",
+        metavar="SCENARIO",
+        nargs="*",
+        help="names of the library or files; the paper's four by default",
+    )
+    parser.add_argument(
+        "--seed", metavar="N", type=_whole(0, LARGEST_SEED), default=0, help="default: 0"
+    )
+    parser.add_argument(
+        "--repeats",
+        metavar="N",
+        type=_whole(1, 100),
+        default=3,
+        help="medians are of so many; default: 3",
+    )
+    parser.add_argument(
+        "--cpu", action="store_true", help="count processor time: steadier on a busy machine"
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object, times in s")
+    parser.set_defaults(command=_speed)
+
+
+def _speed(arguments: argparse.Namespace) -> int:
+    from fuzzynav_mj.commands.speed import speed
+
+    return speed(
+        names=arguments.scenarios,
+        seed=arguments.seed,
+        repeats=arguments.repeats,
+        cpu=arguments.cpu,
+        as_json=arguments.json,
+    )
 
 
 def _add_check(parser: argparse.ArgumentParser) -> None:

@@ -291,6 +291,11 @@ class NavigateToGoal(composer.Task):
                 return Contact(float(data.time), label, speed, speed > AT_FAULT_SPEED)
         raise RuntimeError("the contact sensor fired without a contact of the hull")
 
+    @property
+    def physics(self) -> tuple[mujoco.MjModel, mujoco.MjData]:
+        """What is simulated: the compiled model and its state."""
+        return self._model, self._data
+
     # What is seen, and how it ends ---------------------------------------------------------
 
     @property

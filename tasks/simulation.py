@@ -1,5 +1,6 @@
 """The environment as the simulation that the episode runner knows."""
 
+import mujoco
 import numpy as np
 
 from fuzzynav_mj.episode import BlockTruth
@@ -40,6 +41,11 @@ class EpisodeSimulation:
     def seed(self) -> int:
         """The episode's seed."""
         return self._task.seed
+
+    @property
+    def physics(self) -> tuple[mujoco.MjModel, mujoco.MjData]:
+        """What is simulated: the compiled model and its state."""
+        return self._task.physics
 
     @property
     def planner_rng(self) -> np.random.Generator:

@@ -86,3 +86,18 @@ def test_streams_are_independent() -> None:
     assert np.array_equal(one.sensor.random(5), other.sensor.random(5))
     firsts = {float(stream.random()) for stream in (one.scenario, one.sensor, one.planner)}
     assert len(firsts) == 3
+
+
+def test_episodes_and_agents_are_driven_alike_to_the_last_bit() -> None:
+    """Episodes skip the environment's own step, which only adds what agents are told."""
+    simulation = EpisodeSimulation(load_scenario("convex"), 5)
+    environment = load("convex", seed=5)
+    timestep = environment.reset()
+    rng = np.random.default_rng(99)
+    for _ in range(STEPS):
+        pose = simulation.pose
+        assert timestep.observation["pose"].tolist() == [pose.x, pose.y, pose.yaw]
+        assert np.array_equal(timestep.observation["ranges"], simulation.scan.ranges)
+        x, y = rng.uniform(-0.03, 0.06, 2)
+        simulation.drive((pose.x + x, pose.y + y))
+        timestep = environment.step(np.array([pose.x + x, pose.y + y]))
