@@ -13,9 +13,15 @@ from fuzzynav_mj.planners.own import (
     planner_from_file,
     registered_planners,
 )
+from fuzzynav_mj.planners.peers.bug import BugPlanner
 from fuzzynav_mj.planners.peers.dwa import DynamicWindowPlanner
 from fuzzynav_mj.planners.peers.mppi import MppiPlanner
 from fuzzynav_mj.planners.peers.orca import OrcaPlanner
+from fuzzynav_mj.planners.peers.path_following import PathFollower
+from fuzzynav_mj.planners.peers.prm import Prm
+from fuzzynav_mj.planners.peers.rrt import Rrt
+from fuzzynav_mj.planners.peers.static import StaticPlanner
+from fuzzynav_mj.planners.peers.straight import StraightPlanner
 from fuzzynav_mj.planners.variants import has_options, make_variant
 
 PLANNERS: dict[str, Callable[[], Planner]] = {
@@ -24,6 +30,11 @@ PLANNERS: dict[str, Callable[[], Planner]] = {
     "dwa": DynamicWindowPlanner,
     "mppi": MppiPlanner,
     "orca": OrcaPlanner,
+    "straight": StraightPlanner,
+    "static": StaticPlanner,
+    "bug": BugPlanner,
+    "prm": lambda: PathFollower(Prm),
+    "rrt": lambda: PathFollower(Rrt),
 }
 
 
