@@ -20,7 +20,7 @@ MARGIN_GROWTH = 0.03  # ... and per m/s of speed
 RECOVERY = 0.10  # m of gap to regain per metre travelled where there is less than the margin
 SPIN_STEPS = 3  # decision periods it takes to stop turning from the largest yaw rate
 REVERSE_COST = 0.05  # m: what driving backwards costs
-BERTH = 0.20  # m: gap to strange hits below which a candidate costs more ...
+BERTH = 0.30  # m: gap to strange hits below which a candidate costs more ...
 BERTH_WEIGHT = 4.0  # ... in m of way per m missing
 SOON = 3  # decision periods that count where no candidate keeps clear
 
