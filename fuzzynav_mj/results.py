@@ -80,6 +80,22 @@ def key_of(result: EpisodeRecord | FailedEpisode) -> EpisodeKey:
     return EpisodeKey(result.scenario, result.planner, result.seed, result.disturbance)
 
 
+def key_of_row(row: Row) -> EpisodeKey:
+    """Which episode a row is of.
+
+    Raises:
+        KeyError, TypeError, ValueError, FuzzyNavError: it does not say.
+    """
+    return EpisodeKey(
+        str(row["scenario"]), str(row["planner"]), int(row["seed"]), disturbance_of(row)
+    )
+
+
+def row_order(key: EpisodeKey) -> tuple[str, str, Disturbance, int]:
+    """Sorts episodes as the rows are: what belongs together stays so."""
+    return key.scenario, key.planner, key.disturbance, key.seed
+
+
 def disturbance_of(row: Row) -> Disturbance:
     """What a row says of the sensors and the floor; perfect ones where it says nothing.
 
@@ -138,7 +154,7 @@ class EpisodeLog:
                 )
             whole = content.rfind(b"\n") + 1
             for number, line in enumerate(content[:whole].splitlines(), start=1):
-                self._read(line, number)
+                self._keep(*parse_line(line, path, number))
             self._file = path.open("ab")
             self._file.truncate(whole)
         except OSError as error:
@@ -194,7 +210,7 @@ class EpisodeLog:
 
     def sorted_rows(self) -> list[Row]:
         """The finished episodes by scenario, planner, disturbance and seed."""
-        keys = sorted(self.rows, key=lambda k: (k.scenario, k.planner, k.disturbance, k.seed))
+        keys = sorted(self.rows, key=row_order)
         return [self.rows[key] for key in keys]
 
     def close(self) -> None:
@@ -212,25 +228,29 @@ class EpisodeLog:
     ) -> None:
         self.close()
 
-    def _read(self, line: bytes, number: int) -> None:
-        try:
-            row = json.loads(line)
-            key = EpisodeKey(
-                str(row["scenario"]), str(row["planner"]), int(row["seed"]), disturbance_of(row)
-            )
-        except (ValueError, KeyError, TypeError, FuzzyNavError):
-            raise FuzzyNavError(
-                f"{self.folder / LOG}: line {number}: given text that is not an episode; "
-                "allowed is one JSON object with scenario, planner and seed"
-            ) from None
-        self._keep(key, row)
-
     def _keep(self, key: EpisodeKey, row: Row) -> None:
         if "error" in row:
             self.failures[key] = row["error"]
         else:
             self.rows[key] = row
             self.failures.pop(key, None)
+
+
+def parse_line(line: bytes, path: Path, number: int) -> tuple[EpisodeKey, Row]:
+    """The episode on a line of a log; `path` and `number` are where it stands.
+
+    Raises:
+        FuzzyNavError: the line is not an episode.
+    """
+    try:
+        row = json.loads(line)
+        key = key_of_row(row)
+    except (ValueError, KeyError, TypeError, FuzzyNavError):
+        raise FuzzyNavError(
+            f"{path}: line {number}: given text that is not an episode; "
+            "allowed is one JSON object with scenario, planner and seed"
+        ) from None
+    return key, row
 
 
 def write_table(rows: Sequence[Row], path: Path) -> None:

@@ -121,12 +121,12 @@ def table_cells(summaries: Sequence[GroupSummary]) -> list[tuple[str, ...]]:
             group.planner,
             *([str(group.disturbance)] if DISTURBANCE in columns else []),
             f"{group.successes} / {group.episodes}",
-            _rate_text(group.successes, group.episodes, group.interval),
+            rate_text(group.successes, group.episodes, group.interval),
             *([_possible_text(group)] if OF_POSSIBLE in columns else []),
-            _spread_text(group.path_length, 2),
-            _spread_text(group.sim_time, 1),
+            spread_text(group.path_length, 2),
+            spread_text(group.sim_time, 1),
             f"{group.contacts} ({group.contacts_at_fault} at fault)" if group.contacts else "0",
-            _spread_text(group.optimality, 1, 100.0),
+            spread_text(group.optimality, 1, 100.0),
             f"{group.vetoes:.1f}",
             f"{_number(group.plan_ms_p50, 1)} / {_number(group.plan_ms_p99, 1)}",
         )
@@ -227,16 +227,18 @@ def _median(values: Sequence[float]) -> float:
 def _possible_text(group: GroupSummary) -> str:
     if group.possible == 0:
         return "-"
-    rate = _rate_text(group.possible_successes, group.possible, group.possible_interval)
+    rate = rate_text(group.possible_successes, group.possible, group.possible_interval)
     return f"{group.possible_successes} / {group.possible}: {rate}"
 
 
-def _rate_text(successes: int, trials: int, interval: tuple[float, float]) -> str:
+def rate_text(count: int, trials: int, interval: tuple[float, float]) -> str:
+    """A share of the trials in percent, with its interval."""
     low, high = interval
-    return f"{100 * successes / trials:.1f} [{100 * low:.1f}, {100 * high:.1f}]"
+    return f"{100 * count / trials:.1f} [{100 * low:.1f}, {100 * high:.1f}]"
 
 
-def _spread_text(spread: Spread, digits: int, scale: float = 1.0) -> str:
+def spread_text(spread: Spread, digits: int, scale: float = 1.0) -> str:
+    """Mean ± standard deviation times `scale`; a dash for what there is none of."""
     if spread.mean != spread.mean:
         return "-"
     return f"{scale * spread.mean:.{digits}f} ± {_number(scale * spread.std, digits)}"
