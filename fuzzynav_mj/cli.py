@@ -97,6 +97,7 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     _add_run(commands.add_parser("run", help="simulate one episode", epilog=EXIT_STATUS))
     _add_bench(commands.add_parser("bench", help="run many episodes", epilog=EXIT_STATUS))
+    _add_report(commands.add_parser("report", help="make a page of what bench has written"))
     _add_list(commands.add_parser("list", help="list the scenarios or the planners"))
     _add_speed(commands.add_parser("speed", help="measure what an episode costs, by stages"))
     _add_check(commands.add_parser("check", help="check scenario files", epilog=EXIT_STATUS))
@@ -152,13 +153,7 @@ def _add_bench(parser: argparse.ArgumentParser) -> None:
         default=0,
         help="seed of the first episode, counted up from there; default: 0",
     )
-    parser.add_argument(
-        "--jobs",
-        metavar="N",
-        type=_whole(1, LARGEST_JOBS),
-        default=min(os.cpu_count() or 1, LARGEST_JOBS),
-        help="episodes at a time; default: one for every processor",
-    )
+    _add_jobs(parser)
     parser.add_argument(
         "--out",
         metavar="DIR",
@@ -272,6 +267,31 @@ def _disturbance(arguments: argparse.Namespace) -> Disturbance:
         drift_distance=drift_distance,
         drift_turn_rad=drift_turn,
         friction=arguments.friction,
+    )
+
+
+def _add_report(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("folder", metavar="DIR", type=Path, help="the folder of a benchmark")
+    parser.add_argument(
+        "--out", metavar="DIR", type=Path, help="folder for the report; default: DIR/report"
+    )
+    _add_jobs(parser)
+    parser.set_defaults(command=_report)
+
+
+def _report(arguments: argparse.Namespace) -> int:
+    from fuzzynav_mj.commands.report import report
+
+    return report(arguments.folder, arguments.out, arguments.jobs)
+
+
+def _add_jobs(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--jobs",
+        metavar="N",
+        type=_whole(1, LARGEST_JOBS),
+        default=min(os.cpu_count() or 1, LARGEST_JOBS),
+        help="episodes at a time; default: one for every processor",
     )
 
 

@@ -6,6 +6,7 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from hashlib import sha256
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -19,6 +20,7 @@ from fuzzynav_mj.types import EpisodeRecord
 LOG = "episodes.jsonl"
 TABLE = "episodes.parquet"
 SUMMARY = "summary.md"
+SCENARIOS = "scenarios"
 
 TEXT_COLUMNS = (
     "scenario", "planner", "outcome", "contact_with", "scenario_sha256", "planner_sha256",
@@ -274,6 +276,27 @@ def write_table(rows: Sequence[Row], path: Path) -> None:
     sink = pa.BufferOutputStream()
     pq.write_table(table, sink, compression="zstd")
     replace_file(path, sink.getvalue().to_pybytes())
+
+
+def keep_scenario(folder: Path, name: str, content: bytes) -> None:
+    """Keep the file of a scenario beside its episodes, under its name and digest.
+
+    Raises:
+        FuzzyNavError: it cannot be written.
+    """
+    kept = folder / SCENARIOS
+    try:
+        kept.mkdir(exist_ok=True)
+    except OSError as error:
+        raise FuzzyNavError(f"{kept}: cannot be made: {error.strerror}") from None
+    file = kept / f"{slug(name)}-{sha256(content).hexdigest()[:12]}.toml"
+    if not file.exists():
+        replace_file(file, content)
+
+
+def slug(name: str) -> str:
+    """A name as a part of a file's name."""
+    return "".join(c if c.isascii() and c.isalnum() else "_" for c in name)[:60]
 
 
 def replace_file(path: Path, content: bytes) -> None:

@@ -1,13 +1,12 @@
 """`fuzzynav bench`: many episodes, on disk one by one, and their table."""
 
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from collections.abc import Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from hashlib import sha256
 from importlib.resources import files
 from pathlib import Path
-from time import monotonic
 
 from fuzzynav_mj.benchmark import (
     EpisodeJob,
@@ -17,6 +16,7 @@ from fuzzynav_mj.benchmark import (
     run_jobs,
     run_parallel,
 )
+from fuzzynav_mj.commands.progress import progress_bar
 from fuzzynav_mj.disturbance import PERFECT, Disturbance
 from fuzzynav_mj.errors import FuzzyNavError
 from fuzzynav_mj.planners import make_planner
@@ -28,6 +28,7 @@ from fuzzynav_mj.results import (
     EpisodeLog,
     FailedEpisode,
     Row,
+    keep_scenario,
     key_of,
     possibility_columns,
     replace_file,
@@ -84,13 +85,16 @@ def bench(
     Raises:
         FuzzyNavError: bad input.
     """
-    scenarios, scenario_digests = _load(names or PAPER_SCENARIOS)
+    scenarios, contents = _load(names or PAPER_SCENARIOS)
+    scenario_digests = {name: sha256(content).hexdigest() for name, content in contents.items()}
     chosen = list(dict.fromkeys(planners))
     for planner in chosen:
         make_planner(planner)
     digests = Digests(scenario_digests, {name: file_digest(name) for name in chosen})
     with EpisodeLog(folder, resume) as log:
         _mention_differences(log, digests)
+        for name, content in contents.items():
+            keep_scenario(folder, name, content)
         jobs = episode_jobs(scenarios, chosen, seeds, disturbance)
         missing = [job for job in jobs if job.key not in log.rows]
         if len(missing) < len(jobs):
@@ -109,10 +113,10 @@ def bench(
     return 0 if all(job.key in log.rows for job in jobs) else 1
 
 
-def _load(names: Sequence[str]) -> tuple[list[Scenario], dict[str, str]]:
-    """The scenarios, and the SHA-256 of each one's file by the scenario's name."""
+def _load(names: Sequence[str]) -> tuple[list[Scenario], dict[str, bytes]]:
+    """The scenarios, and the content of each one's file by the scenario's name."""
     scenarios: list[Scenario] = []
-    digests: dict[str, str] = {}
+    contents: dict[str, bytes] = {}
     given: dict[str, str] = {}
     for name in dict.fromkeys(names):
         scenario = load_scenario(name)
@@ -126,12 +130,12 @@ def _load(names: Sequence[str]) -> tuple[list[Scenario], dict[str, str]]:
         in_library = name in library_names()
         file = files("fuzzynav_mj.scenarios") / "library" / f"{name}.toml"
         content = file.read_bytes() if in_library else Path(name).read_bytes()
-        digests[scenario.name] = sha256(content).hexdigest()
-    return scenarios, digests
+        contents[scenario.name] = content
+    return scenarios, contents
 
 
 def _run(jobs: Sequence[EpisodeJob], processes: int, log: EpisodeLog, digests: Digests) -> None:
-    progress = _progress("episodes", len(jobs))
+    progress = progress_bar("episodes", len(jobs))
     with closing(run_jobs(jobs, processes)) as results, progress as advance:
         for result in results:
             key = key_of(result)
@@ -150,7 +154,7 @@ def _judge(
         if same_file and row.get("possible") is None:
             episodes.setdefault((key.scenario, key.seed), []).append(key)
     jobs = [WorldJob(by_name[name], seed) for name, seed in episodes]
-    progress = _progress("worlds", len(jobs))
+    progress = progress_bar("worlds", len(jobs))
     with closing(run_parallel(jobs, processes, judge_job)) as results, progress as advance:
         for result in results:
             if isinstance(result, FailedEpisode):
@@ -161,43 +165,6 @@ def _judge(
                 of_world = episodes[job.scenario.name, job.seed]
                 log.complete(dict.fromkeys(of_world, columns))
             advance()
-
-
-@contextmanager
-def _progress(what: str, total: int) -> Iterator[Callable[[], None]]:
-    """A progress bar on standard error where that is a terminal; call the result per episode."""
-    if total == 0 or not sys.stderr.isatty():
-        yield lambda: None
-        return
-    from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
-
-    with Progress(
-        TextColumn(what),
-        BarColumn(bar_width=None),
-        MofNCompleteColumn(),
-        TextColumn("{task.fields[rate]}"),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-        console=Console(stderr=True),
-    ) as progress:
-        task = progress.add_task(what, total=total, rate="")
-        began = monotonic()
-
-        def advance() -> None:
-            progress.advance(task)
-            done = progress.tasks[0].completed
-            progress.update(task, rate=f"{60 * done / (monotonic() - began):.0f} per min")
-
-        yield advance
 
 
 def _mention_differences(log: EpisodeLog, digests: Digests) -> None:

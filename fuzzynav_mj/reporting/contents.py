@@ -1,13 +1,16 @@
 """What a report speaks of: its worlds and planners in order, what each is given, and their sums."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import PurePath
 
 from fuzzynav_mj.disturbance import PERFECT, Disturbance
 from fuzzynav_mj.errors import FuzzyNavError
 from fuzzynav_mj.planners import make_planner
 from fuzzynav_mj.planners.base import Requirements
+from fuzzynav_mj.planners.own import is_file_name
 from fuzzynav_mj.reporting.folder import BenchFolder
 from fuzzynav_mj.results import Row, disturbance_of
 from fuzzynav_mj.scenarios import PAPER_SCENARIOS
@@ -60,6 +63,14 @@ class Contents:
     def requirements(self) -> dict[str, Requirements | None]:
         """What each planner asks for; None for one that can no longer be made."""
         return {name: _requirements(name) for name in (*self.planners, *self.variants)}
+
+    @cached_property
+    def labels(self) -> dict[str, str]:
+        """What the page calls each planner: without the folder of its file where that is clear."""
+        names = (*self.planners, *self.variants)
+        short = {name: PurePath(name).name if is_file_name(name) else name for name in names}
+        count = Counter(short[name] for name in dict.fromkeys(names))
+        return {name: short[name] if count[short[name]] == 1 else name for name in names}
 
     def given(self, planner: str) -> str:
         """What a planner is given besides pose, twist and goal, in two or three words."""

@@ -27,8 +27,8 @@ Cell = Callable[[GroupSummary], str]
 PaperCell = Callable[[Published], str]
 
 
-def all_tables(contents: Contents) -> list[Table]:
-    """Every table that the folder has something to say for."""
+def comparison_tables(contents: Contents) -> list[Table]:
+    """The planners beside each other and beside the paper."""
     return [
         *_own_planner(contents),
         _failures(contents),
@@ -39,9 +39,12 @@ def all_tables(contents: Contents) -> list[Table]:
         _decision_time(contents),
         _endings(contents),
         *_possible(contents),
-        *_ablation(contents),
-        *_disturbed(contents),
     ]
+
+
+def variation_tables(contents: Contents) -> list[Table]:
+    """The planner with parts taken away, and imperfect senses, as far as the folder has them."""
+    return [*_ablation(contents), *_disturbed(contents)]
 
 
 def _own_planner(contents: Contents) -> Iterator[Table]:
@@ -159,7 +162,10 @@ def _paired(contents: Contents) -> Iterator[Table]:
         title=f"Path longer than that of {name} on the same episodes, %",
         headings=("planner", "given", *contents.scenarios),
         rows=tuple(
-            (planner, contents.given(planner), *(cell(s, planner) for s in contents.scenarios))
+            (
+                *_head(contents, planner),
+                *(cell(s, planner) for s in contents.scenarios),
+            )
             for planner in others
         ),
         notes=(
@@ -180,8 +186,7 @@ def _endings(contents: Contents) -> Table:
         fault = sum(bool(row.get("contact_at_fault")) for row in own)
         rows.append(
             (
-                planner,
-                contents.given(planner),
+                *_head(contents, planner),
                 str(len(own)),
                 str(counts[Outcome.GOAL_REACHED]),
                 str(counts[Outcome.CONTACT] - standing),
@@ -231,7 +236,11 @@ def _possible(contents: Contents) -> Iterator[Table]:
         rows=(
             ("possible?", "every motion", *worlds),
             *(
-                (planner, contents.given(planner), *(cell(s, planner) for s in contents.scenarios))
+                (
+                    contents.labels[planner],
+                    contents.given(planner),
+                    *(cell(s, planner) for s in contents.scenarios),
+                )
                 for planner in contents.planners
             ),
         ),
@@ -293,8 +302,7 @@ def _disturbed(contents: Contents) -> Iterator[Table]:
         rows=tuple(
             (
                 str(disturbance),
-                planner,
-                contents.given(planner),
+                *_head(contents, planner),
                 *(cell(scenario, planner, disturbance) for scenario in contents.scenarios),
             )
             for planner, disturbance in lines
@@ -329,7 +337,7 @@ def _by_world(
         headings += [scenario, THEIRS] if paper else [scenario]
     rows = []
     for planner in contents.planners:
-        cells = [planner, contents.given(planner)]
+        cells = [*_head(contents, planner)]
         for scenario, paper in columns:
             group = contents.summaries.get((scenario, planner))
             cells.append(EMPTY if group is None else cell(group))
@@ -344,6 +352,10 @@ def _by_world(
         notes=notes,
         theirs=frozenset(i for i, heading in enumerate(headings) if heading == THEIRS),
     )
+
+
+def _head(contents: Contents, planner: str) -> tuple[str, str]:
+    return contents.labels[planner], contents.given(planner)
 
 
 def failures_text(group: GroupSummary) -> str:
