@@ -58,12 +58,9 @@ def sections(
     variations = variation_tables(contents)
     if variations:
         found.append(Section("Variations", (), variations))
-    if notes or contents.folder.failures:
-        lost = [
-            f"{key}: came to no end of its own and counts nowhere: {reason}"
-            for key, reason in sorted(contents.folder.failures.items())
-        ]
-        found.append(Section("Notes", (*notes, *lost)))
+    remarks = [*notes, *_lost(contents)]
+    if remarks:
+        found.append(Section("Notes", remarks))
     return found
 
 
@@ -72,6 +69,18 @@ def _one_run(trace: Trace, gate: RiskGate) -> Iterator[Picture]:
     risk = risk_picture(trace, gate)
     if risk is not None:
         yield risk
+
+
+def _lost(contents: Contents) -> Iterator[str]:
+    """A sentence for every world and planner with episodes that came to no end of their own."""
+    groups: dict[tuple[str, str], list[str]] = {}
+    for key, reason in sorted(contents.folder.failures.items()):
+        groups.setdefault((key.scenario, key.planner), []).append(reason)
+    for (scenario, planner), reasons in groups.items():
+        yield (
+            f"{scenario}, {planner}: {len(reasons)} episodes came to no end of their own and "
+            f"count nowhere on this page; the first for: {reasons[0]}."
+        )
 
 
 def _what_was_run(contents: Contents) -> Section:

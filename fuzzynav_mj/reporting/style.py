@@ -82,6 +82,7 @@ class Picture:
         Raises:
             FuzzyNavError: a file cannot be written.
         """
+        _settle(self.figure)
         png = _rendered(self.figure, "png")
         replace_file(folder / f"{self.name}.png", png)
         replace_file(folder / f"{self.name}.svg", _rendered(self.figure, "svg"))
@@ -133,6 +134,16 @@ def look() -> AbstractContextManager[None]:
     """The settings under which figures are drawn and written, whatever the user's own are."""
     context: AbstractContextManager[None] = style.context(["default", SETTINGS])
     return context
+
+
+def _settle(figure: Figure) -> None:
+    """Lay the figure out once, to rounded places: the last bits of a layout vary between runs."""
+    with look():
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
+        for axes in figure.axes:
+            places = axes.get_position(original=True).bounds
+            axes.set_position([round(place, 5) for place in places])
 
 
 def _rendered(figure: Figure, kind: str) -> bytes:

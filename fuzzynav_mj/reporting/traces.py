@@ -127,15 +127,16 @@ def _first_choice(decision: Decision) -> int | None:
 
 
 def _peak(steps: Sequence[StepRecord]) -> RiskPeak | None:
-    judged = [
-        (max(value for value in (step.decision.risk, proposed_risk(step.decision))
-             if value == value), -index)
-        for index, step in enumerate(steps)
-        if step.decision.inputs is not None and step.decision.risk == step.decision.risk
-    ]  # fmt: skip
+    """The largest risk; of equal ones a refused one, and of these the first."""
+    judged = []
+    for index, step in enumerate(steps):
+        taken, refused = step.decision.risk, proposed_risk(step.decision)
+        if step.decision.inputs is not None and taken == taken:
+            top = refused if refused > taken else taken
+            judged.append((round(top, 1), refused > taken, -index))
     if not judged:
         return None
-    index = -max(judged)[1]
+    index = -max(judged)[2]
     step = steps[index]
     decision = step.decision
     accepted = decision.inputs
