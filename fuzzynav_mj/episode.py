@@ -220,6 +220,7 @@ def run_episode(
         slip_max_mps=max((float(b.slip.max(initial=0.0)) for b in blocks), default=0.0),
         versions=versions,
         disturbance=sensors.disturbance,
+        goal_distance_m=float(np.hypot(*(poses[-1, :2] - scenario.goal))),
     )
     return Episode(record, _steps(moments, world, spec), world)
 

@@ -35,9 +35,10 @@ COLUMNS = (
     "optimality", "min_clearance_m", "risk_max", "risk_mean", "gate_vetoes", "decisions",
     "plan_ms_p50", "plan_ms_p99", "wall_s", "physics_steps", "tracking_rms_m", "slip_max_mps",
     "contacts_count", "contact_time_s", "contact_with", "contact_robot_speed_mps",
-    "contact_at_fault", "range_noise_m", "dropouts", "delay_periods", "drift_distance",
-    "drift_turn_rad", "friction", "version_fuzzynav_mj", "version_mujoco", "version_dm_control",
-    "version_numpy", "scenario_sha256", "planner_sha256", "possible", "earliest_arrival_s",
+    "contact_at_fault", "goal_distance_m", "range_noise_m", "dropouts", "delay_periods",
+    "drift_distance", "drift_turn_rad", "friction", "version_fuzzynav_mj", "version_mujoco",
+    "version_dm_control", "version_numpy", "scenario_sha256", "planner_sha256", "possible",
+    "earliest_arrival_s",
 )  # fmt: skip
 """The columns of the table, in order: the fields of the episode record, flattened; the digests of
 the scenario's file and of the planner's, where it is a file of the user's own; and what the oracle

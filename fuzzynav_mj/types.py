@@ -8,6 +8,7 @@ after the record is made.
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from math import nan
 from typing import Literal
 
 import numpy as np
@@ -275,3 +276,4 @@ class EpisodeRecord:
     slip_max_mps: float
     versions: Mapping[str, str] = field(default_factory=dict)
     disturbance: Disturbance = PERFECT
+    goal_distance_m: float = nan

@@ -96,8 +96,16 @@ def test_drifting_planner_is_told_dead_reckoning_and_the_wheels_follow_it(
     first, last = episode.steps[0], episode.steps[-1]
     assert first.estimate == first.pose and last.estimate is not None
     assert hypot(last.estimate.x - last.pose.x, last.estimate.y - last.pose.y) > 0.01
+    assert 0.0 < episode.record.goal_distance_m <= 0.1  # the goal's tolerance, on the truth
     perfect, _ = watch(write_scenario("a"), PERFECT)
     assert episode.record.tracking_rms_m == pytest.approx(perfect.record.tracking_rms_m, abs=5e-4)
+
+
+def test_distance_from_the_goal_is_told_where_it_was_not_reached(write_scenario: Writer) -> None:
+    """Time for a start only: 0.6 m away, less the way driven straight at it."""
+    episode, _ = watch(write_scenario("a", time_limit=0.5), PERFECT)
+    left = 0.6 - episode.record.path_length_m
+    assert episode.record.goal_distance_m == pytest.approx(left, abs=1e-3)
 
 
 def test_friction_reaches_the_episode(write_scenario: Writer) -> None:

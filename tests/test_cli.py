@@ -57,6 +57,7 @@ FIELDS: dict[str, tuple[type, ...]] = {
     "slip_max_mps": NUMBER,
     "versions": (dict,),
     "disturbance": (dict,),
+    "goal_distance_m": NUMBER,
 }
 
 
