@@ -32,8 +32,8 @@ LARGEST_JOBS = 1024
 
 PLANNER_HELP = "as `fuzzynav list planners` names it, or FILE.py:CLASS; default: fuzzy"
 EXIT_STATUS = (
-    "exit status: 0 the goal was reached without contact (run), every episode was run (bench), "
-    "every file is good (check); 1 otherwise; 2 bad input"
+    "exit status: 0 the goal was reached without contact (run), every episode was run (bench, "
+    "reproduce), every file is good (check); 1 otherwise; 2 bad input"
 )
 
 
@@ -98,6 +98,11 @@ def _parser() -> argparse.ArgumentParser:
     _add_run(commands.add_parser("run", help="simulate one episode", epilog=EXIT_STATUS))
     _add_bench(commands.add_parser("bench", help="run many episodes", epilog=EXIT_STATUS))
     _add_report(commands.add_parser("report", help="make a page of what bench has written"))
+    _add_reproduce(
+        commands.add_parser(
+            "reproduce", help="run and report the paper's comparison", epilog=EXIT_STATUS
+        )
+    )
     _add_list(commands.add_parser("list", help="list the scenarios or the planners"))
     _add_speed(commands.add_parser("speed", help="measure what an episode costs, by stages"))
     _add_check(commands.add_parser("check", help="check scenario files", epilog=EXIT_STATUS))
@@ -139,20 +144,7 @@ def _add_bench(parser: argparse.ArgumentParser) -> None:
         help="names of the library or files; the paper's four by default",
     )
     parser.add_argument("--planner", metavar="NAME", nargs="+", action="extend", help=PLANNER_HELP)
-    parser.add_argument(
-        "--episodes",
-        metavar="N",
-        type=_whole(1, LARGEST_COUNT),
-        default=10,
-        help="for every scenario and planner; default: 10",
-    )
-    parser.add_argument(
-        "--seed",
-        metavar="FIRST",
-        type=_whole(0, LARGEST_SEED),
-        default=0,
-        help="seed of the first episode, counted up from there; default: 0",
-    )
+    _add_episodes(parser, episodes=10, seed=0)
     _add_jobs(parser)
     parser.add_argument(
         "--out",
@@ -177,15 +169,10 @@ def _add_bench(parser: argparse.ArgumentParser) -> None:
 def _bench(arguments: argparse.Namespace) -> int:
     from fuzzynav_mj.commands.bench import bench
 
-    if arguments.seed + arguments.episodes - 1 > LARGEST_SEED:
-        raise UsageError(
-            f"argument --seed: given {arguments.seed} with {arguments.episodes} episodes; "
-            f"allowed is a last seed of at most {LARGEST_SEED}"
-        )
     return bench(
         names=arguments.scenarios,
         planners=arguments.planner or ["fuzzy"],
-        seeds=range(arguments.seed, arguments.seed + arguments.episodes),
+        seeds=_seeds(arguments),
         processes=arguments.jobs,
         folder=arguments.out,
         resume=arguments.resume,
@@ -283,6 +270,64 @@ def _report(arguments: argparse.Namespace) -> int:
     from fuzzynav_mj.commands.report import report
 
     return report(arguments.folder, arguments.out, arguments.jobs)
+
+
+def _add_reproduce(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--planner",
+        metavar="NAME",
+        nargs="+",
+        action="extend",
+        help="as `fuzzynav list planners` names it, or FILE.py:CLASS; default: every built-in one",
+    )
+    _add_episodes(parser, episodes=100, seed=1000)
+    _add_jobs(parser)
+    parser.add_argument(
+        "--out",
+        metavar="DIR",
+        type=Path,
+        default=Path("reproduction"),
+        help="folder for the results, from which a run that was ended goes on; "
+        "default: reproduction",
+    )
+    parser.set_defaults(command=_reproduce)
+
+
+def _reproduce(arguments: argparse.Namespace) -> int:
+    from fuzzynav_mj.commands.reproduce import reproduce
+
+    return reproduce(
+        planners=arguments.planner or [],
+        seeds=_seeds(arguments),
+        processes=arguments.jobs,
+        folder=arguments.out,
+    )
+
+
+def _add_episodes(parser: argparse.ArgumentParser, episodes: int, seed: int) -> None:
+    parser.add_argument(
+        "--episodes",
+        metavar="N",
+        type=_whole(1, LARGEST_COUNT),
+        default=episodes,
+        help=f"for every scenario and planner; default: {episodes}",
+    )
+    parser.add_argument(
+        "--seed",
+        metavar="FIRST",
+        type=_whole(0, LARGEST_SEED),
+        default=seed,
+        help=f"seed of the first episode, counted up from there; default: {seed}",
+    )
+
+
+def _seeds(arguments: argparse.Namespace) -> range:
+    if arguments.seed + arguments.episodes - 1 > LARGEST_SEED:
+        raise UsageError(
+            f"argument --seed: given {arguments.seed} with {arguments.episodes} episodes; "
+            f"allowed is a last seed of at most {LARGEST_SEED}"
+        )
+    return range(arguments.seed, arguments.seed + arguments.episodes)
 
 
 def _add_jobs(parser: argparse.ArgumentParser) -> None:

@@ -4,6 +4,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
+from functools import cached_property
 from hashlib import sha256
 from importlib.resources import files
 from pathlib import Path
@@ -43,17 +44,31 @@ INTERRUPTED = 130
 FAILURES_SHOWN = 10
 
 
-@dataclass(frozen=True, slots=True)
-class Digests:
-    """SHA-256 of the files that episodes depend on.
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A benchmark to run.
 
     Attributes:
-        scenarios: by the scenario's name.
-        planners: by the planner's name; None for those that are no file of the user's own.
+        scenarios: what to drive through.
+        files: content of each scenario's file, by the scenario's name.
+        planner_digests: SHA-256 of each planner's file, by its name; None for those that are no
+            file of the user's own.
+        jobs: the episodes.
     """
 
-    scenarios: Mapping[str, str]
-    planners: Mapping[str, str | None]
+    scenarios: Sequence[Scenario]
+    files: Mapping[str, bytes]
+    planner_digests: Mapping[str, str | None]
+    jobs: Sequence[EpisodeJob]
+
+    @cached_property
+    def scenario_digests(self) -> dict[str, str]:
+        """SHA-256 of each scenario's file, by the scenario's name."""
+        return {name: sha256(content).hexdigest() for name, content in self.files.items()}
+
+    def missing(self, log: EpisodeLog) -> list[EpisodeJob]:
+        """The episodes that are not in the log."""
+        return [job for job in self.jobs if job.key not in log.rows]
 
 
 def bench(
@@ -85,32 +100,51 @@ def bench(
     Raises:
         FuzzyNavError: bad input.
     """
+    plan = plan_benchmark(names, planners, seeds, disturbance)
+    with EpisodeLog(folder, resume) as log:
+        begin(plan, log)
+        interrupted = False
+        try:
+            play(plan.missing(log), plan, processes, log)
+            if oracle:
+                judge(plan, processes, log)
+        except KeyboardInterrupt:
+            interrupted = True
+            note("interrupted; --resume runs what is missing")
+        conclude(log)
+    if interrupted:
+        return INTERRUPTED
+    return 1 if plan.missing(log) else 0
+
+
+def plan_benchmark(
+    names: Sequence[str], planners: Sequence[str], seeds: range, disturbance: Disturbance = PERFECT
+) -> Plan:
+    """What `bench` runs for the same arguments.
+
+    Raises:
+        FuzzyNavError: bad input.
+    """
     scenarios, contents = _load(names or PAPER_SCENARIOS)
-    scenario_digests = {name: sha256(content).hexdigest() for name, content in contents.items()}
     chosen = list(dict.fromkeys(planners))
     for planner in chosen:
         make_planner(planner)
-    digests = Digests(scenario_digests, {name: file_digest(name) for name in chosen})
-    with EpisodeLog(folder, resume) as log:
-        _mention_differences(log, digests)
-        for name, content in contents.items():
-            keep_scenario(folder, name, content)
-        jobs = episode_jobs(scenarios, chosen, seeds, disturbance)
-        missing = [job for job in jobs if job.key not in log.rows]
-        if len(missing) < len(jobs):
-            _note(f"{len(jobs) - len(missing)} of {len(jobs)} episodes are in {folder} already")
-        interrupted = False
-        try:
-            _run(missing, processes, log, digests)
-            if oracle:
-                _judge(scenarios, processes, log, scenario_digests)
-        except KeyboardInterrupt:
-            interrupted = True
-            _note("interrupted; --resume runs what is missing")
-        _report(log)
-    if interrupted:
-        return INTERRUPTED
-    return 0 if all(job.key in log.rows for job in jobs) else 1
+    return Plan(
+        scenarios=scenarios,
+        files=contents,
+        planner_digests={name: file_digest(name) for name in chosen},
+        jobs=episode_jobs(scenarios, chosen, seeds, disturbance),
+    )
+
+
+def begin(plan: Plan, log: EpisodeLog) -> None:
+    """Say what is different from the episodes that the folder holds, and keep the scenarios."""
+    _mention_differences(log, plan)
+    for name, content in plan.files.items():
+        keep_scenario(log.folder, name, content)
+    held = len(plan.jobs) - len(plan.missing(log))
+    if held:
+        note(f"{held} of {len(plan.jobs)} episodes are in {log.folder} already")
 
 
 def _load(names: Sequence[str]) -> tuple[list[Scenario], dict[str, bytes]]:
@@ -134,20 +168,21 @@ def _load(names: Sequence[str]) -> tuple[list[Scenario], dict[str, bytes]]:
     return scenarios, contents
 
 
-def _run(jobs: Sequence[EpisodeJob], processes: int, log: EpisodeLog, digests: Digests) -> None:
+def play(jobs: Sequence[EpisodeJob], plan: Plan, processes: int, log: EpisodeLog) -> None:
+    """Run episodes of the plan and log each as it is finished."""
     progress = progress_bar("episodes", len(jobs))
     with closing(run_jobs(jobs, processes)) as results, progress as advance:
         for result in results:
             key = key_of(result)
-            log.add(result, digests.scenarios[key.scenario], digests.planners[key.planner])
+            digests = plan.scenario_digests[key.scenario], plan.planner_digests[key.planner]
+            log.add(result, *digests)
             advance()
 
 
-def _judge(
-    scenarios: Sequence[Scenario], processes: int, log: EpisodeLog, digests: dict[str, str]
-) -> None:
+def judge(plan: Plan, processes: int, log: EpisodeLog) -> None:
     """Complete the finished episodes by what the oracle says, once for every world."""
-    by_name = {scenario.name: scenario for scenario in scenarios}
+    digests = plan.scenario_digests
+    by_name = {scenario.name: scenario for scenario in plan.scenarios}
     episodes: dict[tuple[str, int], list[EpisodeKey]] = {}
     for key, row in sorted(log.rows.items()):
         same_file = row.get("scenario_sha256") == digests.get(key.scenario)
@@ -158,7 +193,7 @@ def _judge(
     with closing(run_parallel(jobs, processes, judge_job)) as results, progress as advance:
         for result in results:
             if isinstance(result, FailedEpisode):
-                _note(f"the oracle failed: {result.key}: {result.reason}")
+                note(f"the oracle failed: {result.key}: {result.reason}")
             else:
                 job, found = result
                 columns: Row = possibility_columns(found)
@@ -167,19 +202,19 @@ def _judge(
             advance()
 
 
-def _mention_differences(log: EpisodeLog, digests: Digests) -> None:
+def _mention_differences(log: EpisodeLog, plan: Plan) -> None:
     present = {f"version_{name}": text for name, text in versions().items()}
     others = {
         _versions_text({name: str(row.get(name)) for name in present}) for row in log.rows.values()
     } - {_versions_text(present)}
     for text in sorted(others):
-        _note(f"{log.folder} holds episodes of {text}; now {_versions_text(present)}")
-    known = {"scenario": digests.scenarios, "planner": digests.planners}
+        note(f"{log.folder} holds episodes of {text}; now {_versions_text(present)}")
+    known = {"scenario": plan.scenario_digests, "planner": plan.planner_digests}
     for kind, by_name in known.items():
         for name, digest in by_name.items():
             held = (row for row in log.rows.values() if row[kind] == name)
             if any(row.get(f"{kind}_sha256") != digest for row in held):
-                _note(f"{log.folder} holds episodes of {name} from before its file was changed")
+                note(f"{log.folder} holds episodes of {name} from before its file was changed")
 
 
 def _versions_text(row_versions: dict[str, str]) -> str:
@@ -188,7 +223,7 @@ def _versions_text(row_versions: dict[str, str]) -> str:
     )
 
 
-def _report(log: EpisodeLog) -> None:
+def conclude(log: EpisodeLog) -> None:
     """Write the table and the summary, and print the latter."""
     rows = log.sorted_rows()
     write_table(rows, log.folder / TABLE)
@@ -204,9 +239,9 @@ def _report(log: EpisodeLog) -> None:
     print(f"results: {log.folder / TABLE}, {log.folder / SUMMARY}")
     failed = sorted(log.failures)
     for key in failed[:FAILURES_SHOWN]:
-        _note(f"failed: {key}: {log.failures[key]}")
+        note(f"failed: {key}: {log.failures[key]}")
     if len(failed) > FAILURES_SHOWN:
-        _note(f"failed: {len(failed) - FAILURES_SHOWN} more, see {log.folder / SUMMARY}")
+        note(f"failed: {len(failed) - FAILURES_SHOWN} more, see {log.folder / SUMMARY}")
 
 
 def _print_table(names: Sequence[str], lines: Sequence[Sequence[str]]) -> None:
@@ -227,5 +262,6 @@ def _print_table(names: Sequence[str], lines: Sequence[Sequence[str]]) -> None:
     console.print(table)
 
 
-def _note(text: str) -> None:
+def note(text: str) -> None:
+    """Tell the user something beside the results."""
     print(f"fuzzynav: {text}", file=sys.stderr)
