@@ -17,7 +17,7 @@ from fuzzynav_mj.benchmark import (
     run_jobs,
     run_parallel,
 )
-from fuzzynav_mj.commands.progress import progress_bar
+from fuzzynav_mj.commands.progress import note, progress_bar
 from fuzzynav_mj.disturbance import PERFECT, Disturbance
 from fuzzynav_mj.errors import FuzzyNavError
 from fuzzynav_mj.planners import make_planner
@@ -260,8 +260,3 @@ def _print_table(names: Sequence[str], lines: Sequence[Sequence[str]]) -> None:
     for cells in zip(*(column[1:] for column in columns), strict=True):
         table.add_row(*cells)
     console.print(table)
-
-
-def note(text: str) -> None:
-    """Tell the user something beside the results."""
-    print(f"fuzzynav: {text}", file=sys.stderr)

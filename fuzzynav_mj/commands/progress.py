@@ -1,4 +1,4 @@
-"""A progress bar for commands that run many episodes."""
+"""How commands that run many episodes tell what they are at."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -41,3 +41,8 @@ def progress_bar(what: str, total: int) -> Iterator[Callable[[], None]]:
             progress.update(task, rate=f"{60 * done / (monotonic() - began):.0f} per min")
 
         yield advance
+
+
+def note(text: str) -> None:
+    """Tell the user something beside the results."""
+    print(f"fuzzynav: {text}", file=sys.stderr)

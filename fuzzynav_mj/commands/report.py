@@ -4,7 +4,7 @@ from contextlib import closing
 from pathlib import Path
 
 from fuzzynav_mj.benchmark import run_parallel
-from fuzzynav_mj.commands.progress import progress_bar
+from fuzzynav_mj.commands.progress import note, progress_bar
 from fuzzynav_mj.errors import FuzzyNavError
 from fuzzynav_mj.reporting.contents import contents_of
 from fuzzynav_mj.reporting.folder import read_folder
@@ -44,6 +44,8 @@ def report(folder: Path, out: Path | None, processes: int) -> int:
             "allowed is one that can be written"
         ) from None
     jobs, notes = replay_jobs(contents)
+    if jobs:
+        note(f"playing {len(jobs)} episodes once more for the pictures")
     played: dict[object, Trace] = {}
     lost: list[FailedEpisode] = []
     progress = progress_bar("ways", len(jobs))

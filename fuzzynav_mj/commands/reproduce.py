@@ -12,10 +12,10 @@ from fuzzynav_mj.commands.bench import (
     begin,
     conclude,
     judge,
-    note,
     plan_benchmark,
     play,
 )
+from fuzzynav_mj.commands.progress import note
 from fuzzynav_mj.commands.report import report
 from fuzzynav_mj.planners import PLANNERS
 from fuzzynav_mj.results import EpisodeLog
