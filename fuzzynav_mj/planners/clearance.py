@@ -1,48 +1,56 @@
 """Predicted gaps between the rolled-out footprint and the points of obstacles."""
 
+from math import cos, sin, sqrt
+
 import numpy as np
 
+from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.types import FloatArray
 
-FAR = np.float32(9.0)  # m: clearance where there is nothing in sight
+FAR = 9.0  # m: clearance where there is nothing in sight
 
 
-def static_clearance(poses: np.ndarray, points: FloatArray, half_side: float) -> np.ndarray:
-    """(m, T) float32 gaps between the square at `poses` (m, T, 3) and the nearest point (k, 2)."""
-    if len(points) == 0:
-        return np.full(poses.shape[:2], FAR)
-    # What stands is met at any time: all poses in one row.
-    x, y, yaw = poses.T.reshape(3, 1, -1)
-    gaps = _nearest_gaps(x, y, yaw, points[None], half_side)
-    return gaps.reshape(poses.shape[1::-1]).T
+def static_clearance(poses: np.ndarray, points: FloatArray, half_side: float) -> FloatArray:
+    """(m, T) gaps between the square at `poses` (m, T, 3) and the nearest point (k, 2)."""
+    return _nearest_gaps(_plain(poses), _plain(points[None]), half_side)
 
 
-def moving_clearance(poses: np.ndarray, places: FloatArray, half_side: float) -> np.ndarray:
-    """(m, T) float32 gaps between the square at `poses` (m, T, 3) and the nearest of the moving
-    points, which at the time of column j are at `places[j]` (T, 2, k)."""
-    if places.shape[2] == 0:
-        return np.full(poses.shape[:2], FAR)
-    x, y, yaw = poses.T
-    return _nearest_gaps(x, y, yaw, places.transpose(0, 2, 1), half_side).T
+def moving_clearance(poses: np.ndarray, places: FloatArray, half_side: float) -> FloatArray:
+    """(m, T) gaps between the square at `poses` (m, T, 3) and the nearest of the moving points,
+    which at the time of column j are at `places[j]` (T, 2, k)."""
+    return _nearest_gaps(_plain(poses), _plain(places.transpose(0, 2, 1)), half_side)
 
 
-def _nearest_gaps(
-    x: np.ndarray, y: np.ndarray, yaw: np.ndarray, points: FloatArray, half_side: float
-) -> np.ndarray:
-    """(T, n) gaps between squares at x, y, yaw (T, n) and the nearest of points (T, k, 2)."""
-    c, s = np.cos(yaw), np.sin(yaw)
-    half = np.float32(half_side)
-    spots = np.ones((*points.shape[:2], 3), dtype=np.float32)  # homogeneous
-    spots[..., :2] = points
-    # The largest arrays of a decision, (T, k, n): as few passes over them as possible.
-    forward = spots @ np.array((c, s, -(c * x + s * y))).transpose(1, 0, 2)
-    within = np.clip(forward, -half, half)
-    forward -= within
-    forward *= forward
-    left = spots @ np.array((-s, c, s * x - c * y)).transpose(1, 0, 2)
-    np.clip(left, -half, half, out=within)
-    left -= within
-    left *= left
-    forward += left
-    nearest: np.ndarray = np.sqrt(forward.min(axis=1))
-    return nearest
+def _plain(values: np.ndarray) -> FloatArray:
+    """As the compiled function takes them: it is made anew for every layout and precision."""
+    return np.ascontiguousarray(values, dtype=np.float64)
+
+
+@compiled
+def _nearest_gaps(poses: FloatArray, points: FloatArray, half: float) -> FloatArray:
+    """(m, T) gaps between squares at `poses` (m, T, 3) and the nearest of the points (T, k, 2) of
+    the same column, or (1, k, 2) of all columns."""
+    count, columns = poses.shape[:2]
+    gaps = np.full((count, columns), FAR)
+    if points.shape[1] == 0:
+        return gaps
+    reach = half * sqrt(2.0)
+    for i in range(count):
+        for j in range(columns):
+            x, y = poses[i, j, 0], poses[i, j, 1]
+            c, s = cos(poses[i, j, 2]), sin(poses[i, j, 2])
+            row = j if len(points) > 1 else 0
+            nearest = FAR * FAR
+            worth_a_look = (FAR + reach) ** 2
+            for k in range(points.shape[1]):
+                dx, dy = points[row, k, 0] - x, points[row, k, 1] - y
+                if dx * dx + dy * dy >= worth_a_look:
+                    continue
+                ahead = max(abs(c * dx + s * dy) - half, 0.0)
+                aside = max(abs(c * dy - s * dx) - half, 0.0)
+                squared = ahead * ahead + aside * aside
+                if squared < nearest:
+                    nearest = squared
+                    worth_a_look = (sqrt(nearest) + reach) ** 2
+            gaps[i, j] = sqrt(nearest)
+    return gaps

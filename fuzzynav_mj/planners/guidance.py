@@ -17,10 +17,11 @@ from fuzzynav_mj.planners.sight import (
     Ways,
     either,
     free_distance,
+    range_jumps,
     searched_ways,
     straight_ways,
 )
-from fuzzynav_mj.types import FloatArray, IntArray
+from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
 SAME_WAY = 0.87  # cosine of the largest angle between bearings of what is still the same way
 
@@ -33,6 +34,7 @@ class GuidanceSettings:
         comfortable: half width of a passage that is taken without hesitation.
         tight: half width of the narrowest passage that is taken at all.
         tight_penalty: detour that is preferred to a tight passage.
+        blind_penalty: detour that is preferred to going along a wall whose end is not in sight.
         search_gain: what a searched way must promise to save before a search is made.
         gain: how much nearer to the goal than all of the boundary a way must lead to leave it.
         patience: length of boundary after which a smaller gain will do.
@@ -45,6 +47,7 @@ class GuidanceSettings:
     tight: float = 0.15
     tight_penalty: float = 0.10
     search_gain: float = 0.15
+    blind_penalty: float = 0.3
     gain: float = 0.15
     patience: float = 6.0
     settling: float = 0.6
@@ -137,6 +140,7 @@ class Guidance:
         cost = ways.length + left_over
         following = self._following
         if following is None:
+            cost = cost + self._settings.blind_penalty * _blind(goal, sight, ways)
             best = int(cost.argmin())
             bearing = float(sight.bearings[best])
             if left_over[best] < distance and not self._turned_back(bearing):
@@ -214,7 +218,8 @@ class Guidance:
         self, place: tuple[float, float], goal: FloatArray, sight: Sight, ways: Ways
     ) -> bool:
         """True if a ray sees free ground that no straight way reaches, and it would be wanted."""
-        hopeful = (sight.ranges >= sight.max_range - 1e-9) & ~ways.open
+        jump, _ = range_jumps(sight, self._settings.tight)
+        hopeful = ((sight.ranges >= sight.max_range - 1e-9) | jump) & ~ways.open
         if not hopeful.any():
             return False
         if self._following is not None:
@@ -314,10 +319,15 @@ class Guidance:
 
         The edge may lie far ahead, beyond a gap that only opens beside the robot.
         """
-        edge = following.edge
-        start = _ray(atan2(edge[1] - place[1], edge[0] - place[0]), sight)
         count = len(sight.bearings)
-        beside = (start - following.side * np.arange(count // 3)) % count
+        if following.direction == (0.0, 0.0):
+            edge = following.edge
+            start = _ray(atan2(edge[1] - place[1], edge[0] - place[0]), sight)
+            beside = (start - following.side * np.arange(count // 3)) % count
+        else:
+            # The boundary is beside the way taken, whatever else lies nearer behind the robot.
+            along = _ray(atan2(following.direction[1], following.direction[0]), sight)
+            beside = (along - following.side * np.arange(count // 3, -1, -1)) % count
         start = int(beside[int(sight.ranges[beside].argmin())])
         return (start + following.side * np.arange(count)) % count
 
@@ -339,6 +349,29 @@ def _connected(points: FloatArray, near: FloatArray, gap: float) -> FloatArray:
 def _ray(bearing: float, sight: Sight) -> int:
     count = len(sight.bearings)
     return round((bearing - float(sight.bearings[0])) * count / (2 * pi)) % count
+
+
+def _blind(goal: FloatArray, sight: Sight, ways: Ways) -> BoolArray:
+    """(n,) True for the ways on a side of the goal's direction on which the obstacle in the way
+    runs on beyond sight: there may be no end to it."""
+    count = len(sight.bearings)
+    blind = np.zeros(count, dtype=bool)
+    ahead = _ray(atan2(goal[1], goal[0]), sight)
+    if ways.open[ahead]:
+        return blind
+    for side in (1, -1):
+        fan = (ahead + side * np.arange(count // 2)) % count
+        first = int(ways.open[fan].argmax())
+        ranges = sight.ranges[fan[:first]]
+        hits = np.flatnonzero(ranges < sight.max_range - 1e-9)
+        if len(hits) == 0:
+            continue
+        last = int(hits[-1])
+        before = int(hits[max(len(hits) - 4, 0)])
+        slope = (ranges[last] - ranges[before]) / max(last - before, 1)
+        if len(hits) < 4 or ranges[last] + 2.0 * slope > sight.max_range:
+            blind[fan] = True
+    return blind
 
 
 def _blocking_point(place: tuple[float, float], sight: Sight, ray: int) -> tuple[float, float]:

@@ -6,11 +6,11 @@ the present yaw rate, so headings come from a table; speeds and places are rolle
 
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import pairwise
 from math import pi
 
 import numpy as np
 
+from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray, Twist2D
 
@@ -48,26 +48,23 @@ class Motions:
     """Rolled-out candidates, robot frame of the present pose.
 
     Attributes:
-        poses: (m, HORIZON, 3) float32; x, y of the footprint's centre and yaw, after each period.
-            Their transpose (3, HORIZON, m) is contiguous: one row for each period.
+        poses: (m, HORIZON, 3) x, y of the footprint's centre and yaw, after each period.
         speed: (m,) speed aimed at, m/s, negative in reverse.
         direction: (m,) direction of travel aimed at, rad.
         brake_steps: (m,) periods it takes to stop from that speed, rounded up.
         on_the_spot: (m,) True for the one that turns without driving. The last one stops.
     """
 
-    poses: np.ndarray
+    poses: FloatArray
     speed: FloatArray
     direction: FloatArray
     brake_steps: IntArray
     on_the_spot: BoolArray
 
-    def stopping(self, stops: IntArray) -> np.ndarray:
+    def stopping(self, stops: IntArray) -> FloatArray:
         """(m, HORIZON, 3) poses that stay where they are after the period `stops` (m,) of each."""
-        count = len(stops)
-        steps = np.minimum(np.arange(HORIZON)[:, None], stops)
-        flat = self.poses.T.reshape(3, -1)
-        return flat.take(steps * count + np.arange(count), axis=1).T
+        steps = np.minimum(np.arange(HORIZON), stops[:, None])
+        return self.poses[np.arange(len(stops))[:, None], steps]
 
 
 def candidate_motions(wanted: float, twist: Twist2D, spec: RobotSpec) -> Motions:
@@ -97,7 +94,6 @@ class _Headings:
     Attributes:
         span: (steps,) length of each time step, s.
         whole: (HORIZON,) the step that each decision period ends with.
-        change: (steps, m) largest change of speed in each step, m/s.
         courses: (classes, rows, steps, 6) share of the speed aimed at, at each step's end; x and y
             of the heading in its middle; x and y of the centre's mean velocity about the axle,
             m/s; and the heading at its end.
@@ -105,7 +101,6 @@ class _Headings:
 
     span: FloatArray
     whole: IntArray
-    change: FloatArray
     courses: FloatArray
 
 
@@ -139,29 +134,44 @@ def _headings(spec: RobotSpec) -> _Headings:
     side = spec.axle_offset * np.array(mean)
     courses = np.stack((drive, c, s, -s * side, c * side, after), axis=-1)
     courses = np.ascontiguousarray(courses.transpose(1, 2, 0, 3))
-    change = np.tile(spec.max_acceleration * span[:, None], len(_CANDIDATES))
-    return _Headings(span, whole, change, courses)
+    return _Headings(span, whole, courses)
 
 
-def _roll(rows: IntArray, aim: FloatArray, twist: Twist2D, spec: RobotSpec) -> np.ndarray:
-    """(m, HORIZON, 3) float32 poses for rows (m,) of the heading table and speeds aimed at (m,)."""
+def _roll(rows: IntArray, aim: FloatArray, twist: Twist2D, spec: RobotSpec) -> FloatArray:
+    """(m, HORIZON, 3) poses for rows (m,) of the heading table and speeds aimed at (m,)."""
     table = _headings(spec)
     classes = round(spec.max_yaw_rate / YAW_RATE_CLASS)
     kind = min(max(round(twist.omega / YAW_RATE_CLASS), -classes), classes) + classes
-    courses = table.courses[kind].take(rows, axis=0)
-    drive, c, s, aside_x, aside_y, yaw = np.ascontiguousarray(courses.T)  # (steps, m) each
-    speeds = [np.full(len(rows), twist.v)]
-    for wanted, change in zip(drive * aim, table.change, strict=True):
-        speed = speeds[-1]
-        speeds.append(np.minimum(np.maximum(wanted, speed - change), speed + change))
-    ends = np.array(speeds)
-    mean = (ends[:-1] + ends[1:]) / 2
-    places = np.empty((len(drive), 2, len(rows)))
-    places[:, 0] = (c * mean + aside_x) * table.span[:, None]
-    places[:, 1] = (s * mean + aside_y) * table.span[:, None]
-    for before, place in pairwise(places):
-        place += before
-    poses = np.empty((3, HORIZON, len(rows)), dtype=np.float32)
-    poses[:2] = places.take(table.whole, axis=0).transpose(1, 0, 2)
-    poses[2] = yaw.take(table.whole, axis=0)
-    return poses.T
+    return _drive(
+        table.courses[kind], rows, aim, twist.v, spec.max_acceleration, table.span, table.whole
+    )
+
+
+@compiled
+def _drive(
+    courses: FloatArray,
+    rows: IntArray,
+    aim: FloatArray,
+    speed_now: float,
+    acceleration: float,
+    span: FloatArray,
+    whole: IntArray,
+) -> FloatArray:
+    """(m, HORIZON, 3) poses: the speed follows its share of the aim within the acceleration."""
+    poses = np.empty((len(rows), len(whole), 3))
+    for i in range(len(rows)):
+        x, y, speed, period = 0.0, 0.0, speed_now, 0
+        for step in range(len(span)):
+            drive, c, s, aside_x, aside_y, yaw = courses[rows[i], step]
+            change = acceleration * span[step]
+            after = min(max(drive * aim[i], speed - change), speed + change)
+            mean = (speed + after) / 2
+            x += (c * mean + aside_x) * span[step]
+            y += (s * mean + aside_y) * span[step]
+            speed = after
+            if whole[period] == step:
+                poses[i, period, 0] = x
+                poses[i, period, 1] = y
+                poses[i, period, 2] = yaw
+                period += 1
+    return poses

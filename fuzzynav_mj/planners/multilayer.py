@@ -17,6 +17,7 @@ from fuzzynav_mj.planners.base import NavigationProblem, Observation, Requiremen
 from fuzzynav_mj.planners.guidance import Guidance, Heading
 from fuzzynav_mj.planners.motions import Motions, candidate_motions
 from fuzzynav_mj.planners.outlook import Outlook, look_ahead
+from fuzzynav_mj.planners.passing import JUDGED, Passing, ways_past
 from fuzzynav_mj.planners.sectors import as_fuzzy_inputs, sector_distances
 from fuzzynav_mj.planners.settings import DecisionSettings
 from fuzzynav_mj.planners.surroundings import surroundings
@@ -33,6 +34,8 @@ from fuzzynav_mj.types import (
 
 EVASION_BONUS = 1.5  # periods
 SAME_EVASION = 0.8  # cosine of the largest angle between directions of one evasion
+SAME_COURSE = 0.94  # cosine of an angle between directions of travel, and ...
+SAME_SPEED = 0.15  # m/s: ... a difference in speed, that are not put down to movers
 STANDING = 0.03  # m or rad: a candidate that changes its pose by no more stands still
 
 
@@ -71,7 +74,11 @@ class MultilayerPlanner:
             wanted = dock.turn_to - pose.yaw
         motions = candidate_motions(wanted, observation.twist, self._spec)
         outlook = look_ahead(motions, around, pose, self._spec, self._settings)
-        cost = self._cost(motions, outlook, target, pose, dock, perception.anything_moves)
+        passing = None
+        if perception.anything_moves:
+            aim = np.array([subgoal[0] - pose.x, subgoal[1] - pose.y])
+            passing = ways_past(around.sight, around.expected, aim, self._settings)
+        cost, alone = self._costs(motions, outlook, target, pose, dock, passing)
         candidates = _candidates(motions, outlook, cost, pose)
         first = _choose(cost, outlook, self._kept(motions, pose))
         verdict = self._judge(first, motions, candidates, pose, perception)
@@ -81,7 +88,7 @@ class MultilayerPlanner:
         x, y = candidates.positions[chosen].tolist()
         return Decision(
             next_position=(x, y),
-            behaviour=_behaviour(chosen, motions, outlook, cost, heading, dock, perception),
+            behaviour=_behaviour(chosen, motions, outlook, alone, heading, dock, perception),
             inputs=verdict.inputs,
             risk=float(verdict.risks[chosen]),
             vetoed=verdict.vetoed,
@@ -90,38 +97,46 @@ class MultilayerPlanner:
             give_up=self._give_up(observation, heading),
         )
 
-    def _cost(
+    def _costs(
         self,
         motions: Motions,
         outlook: Outlook,
         target: tuple[float, float],
         pose: Pose2D,
         dock: Docking | None,
-        anything_moves: bool,
-    ) -> FloatArray:
-        """(m,) the priorities as one cost, m: progress first, then room, then keeping on.
+        passing: Passing | None,
+    ) -> tuple[FloatArray, FloatArray]:
+        """(m,) the priorities as one cost, m, and (m,) the same as if nothing moved.
 
-        Progress towards the subgoal is Eq. (13); crowding keeps next positions off the predicted
-        trajectories, Eq. (14). Guidance itself sees to the return to the line to the goal.
+        Progress first, then room, then keeping on. Progress towards the subgoal is Eq. (13); near
+        movers it is what the place reached is worth. Crowding keeps next positions off the
+        predicted trajectories, Eq. (14). Guidance itself sees to the return to the line to the
+        goal.
         """
         settings = self._settings
-        x, y, _ = outlook.poses.T[:, : settings.progress_steps].astype(np.float64)
-        left_over = np.sqrt(((x - target[0]) ** 2 + (y - target[1]) ** 2).min(axis=0))
-        tight = np.maximum(settings.comfortable_gap - outlook.static, 0.0)
-        cost = left_over + settings.static_weight * tight
-        cost = cost + settings.moving_weight * outlook.crowding
-        cost = cost + settings.reverse_cost * (motions.speed < 0)
+        x, y = outlook.poses[..., 0], outlook.poses[..., 1]
+        soon = slice(settings.progress_steps)
+        away = (x[:, soon] - target[0]) ** 2 + (y[:, soon] - target[1]) ** 2
+        other = settings.static_weight * np.maximum(settings.comfortable_gap - outlook.static, 0.0)
+        other += settings.reverse_cost * (motions.speed < 0)
         if self._travel is not None:
             turn = np.abs((motions.direction + pose.yaw - self._travel + pi) % (2 * pi) - pi)
-            cost = cost + settings.change_cost * turn
-        if not anything_moves:
+            other += settings.change_cost * turn
+        if dock is not None and dock.turn_to is not None:
+            other += ~motions.on_the_spot
+        alone = np.sqrt(away.min(axis=1)) + other
+        if passing is None:
             # Waiting is for movers: among what stands it would last for ever.
             goes = np.abs(outlook.poses[:, -1]).max(axis=1) > STANDING
-            cost = cost + settings.waiting_cost * ~goes
-        if dock is not None and dock.turn_to is not None:
-            cost = cost + ~motions.on_the_spot
-        result: FloatArray = cost.astype(np.float64)
-        return result
+            alone += settings.waiting_cost * ~goes
+            return alone, alone
+        x, y = x[:, :JUDGED], y[:, :JUDGED]
+        travelled = np.sqrt(np.diff(x) ** 2 + np.diff(y) ** 2).sum(axis=1)
+        c, s = cos(pose.yaw), sin(pose.yaw)
+        x, y = x[:, -1], y[:, -1]
+        cost = passing.worth(c * x - s * y, s * x + c * y) + other
+        cost += settings.passing_length * travelled + settings.moving_weight * outlook.crowding
+        return cost, alone
 
     def _judge(
         self,
@@ -236,7 +251,7 @@ def _behaviour(
     chosen: int,
     motions: Motions,
     outlook: Outlook,
-    cost: FloatArray,
+    alone: FloatArray,
     heading: Heading,
     dock: Docking | None,
     perception: Perception,
@@ -248,8 +263,12 @@ def _behaviour(
         return Behaviour.TURNING_ON_GOAL
     if motions.speed[chosen] == 0.0:
         return Behaviour.WAITING
-    unhindered = int(np.where(outlook.static_ok, cost, np.inf).argmin())
-    if not outlook.admissible[unhindered]:
+    unhindered = int(np.where(outlook.static_ok, alone, np.inf).argmin())
+    deviates = (
+        cos(motions.direction[chosen] - motions.direction[unhindered]) < SAME_COURSE
+        or motions.speed[chosen] < motions.speed[unhindered] - SAME_SPEED
+    )
+    if perception.anything_moves and (deviates or not outlook.admissible[unhindered]):
         approaching = any(obstacle.approaching for obstacle in perception.obstacles)
         return Behaviour.DYNAMIC_AVOIDANCE if approaching else Behaviour.MOVING_AWAY
     if heading.mode == "boundary":

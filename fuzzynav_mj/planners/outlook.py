@@ -5,14 +5,15 @@ short of everything that stands and of everything that this look has not seen.
 """
 
 from dataclasses import dataclass
-from math import cos, pi, sin
+from math import atan2, ceil, cos, pi, sin
 
 import numpy as np
 
+from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.planners.clearance import FAR, moving_clearance, static_clearance
 from fuzzynav_mj.planners.motions import HORIZON, Motions
+from fuzzynav_mj.planners.passing import JUDGED
 from fuzzynav_mj.planners.settings import DecisionSettings
-from fuzzynav_mj.planners.sight import Sight
 from fuzzynav_mj.planners.surroundings import Surroundings, period_ends
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray, Pose2D
@@ -25,7 +26,7 @@ class Outlook:
     """Prospects of m candidates.
 
     Attributes:
-        poses: (m, HORIZON, 3) float32, robot frame: driving on until just before what stands or
+        poses: (m, HORIZON, 3) robot frame: driving on until just before what stands or
             is unseen, and stopped there from then on.
         static: (m,) smallest gap to what stands, m.
         moving: (m,) smallest gap to what moves, m.
@@ -37,7 +38,7 @@ class Outlook:
         admissible: (m,) True if the whole roll-out, stop included, keeps its margins.
     """
 
-    poses: np.ndarray
+    poses: FloatArray
     static: FloatArray
     moving: FloatArray
     crowding: FloatArray
@@ -57,71 +58,99 @@ def look_ahead(
     """Rolls the candidates on."""
     c, s = cos(pose.yaw), sin(pose.yaw)
     to_robot = np.array([[c, s], [-s, c]])
-    times = period_ends(spec)[:, None]
-    # From here on the periods are the rows: (HORIZON, m).
-    static, blocked = _static(motions, around.sight.points @ to_robot.T, times, spec, settings)
-    blocked |= _unseen(motions.poses, around.sight, pose)
-    driven = np.logical_and.accumulate(~blocked)  # before the first one that is blocked
-    first = np.add.reduce(driven, dtype=np.intp)
-    last = first - 1 - np.maximum(motions.brake_steps, _spin_steps(motions.poses, first, spec))
-    stops = np.where(first == HORIZON, HORIZON - 1, np.maximum(last, 0))
+    times = period_ends(spec)
+    standing = around.sight.points @ to_robot.T
+    gaps = static_clearance(motions.poses, standing, spec.half_side)
+    stops, static, static_ok = _stop_in_time(
+        motions.poses,
+        gaps,
+        _margins(motions.speed, standing, times, spec, settings),
+        around.sight.ranges,
+        pose.yaw - float(around.sight.bearings[0]),
+        motions.brake_steps,
+        spec.max_yaw_acceleration * spec.decision_period**2,
+    )
     poses = motions.stopping(stops)
-    static_ok = (last >= 0) | (first == HORIZON)
-    expected = moving_clearance(poses, to_robot @ around.expected, spec.half_side).T
-    possible = moving_clearance(poses, to_robot @ around.possible, spec.half_side).T
+    expected = moving_clearance(poses, to_robot @ around.expected[:HORIZON], spec.half_side)
+    possible = moving_clearance(poses, to_robot @ around.possible, spec.half_side)
     moving = np.minimum(expected, possible)
     berth = settings.moving_gap + settings.moving_gap_growth * np.minimum(
         times, settings.moving_gap_time
     )
     wanted = settings.moving_margin + settings.moving_margin_growth * times
-    free = np.logical_and.accumulate(expected >= settings.contact_gap)
-    reached = np.arange(HORIZON)[:, None] <= stops
+    checked = slice(settings.checked_periods)
+    free = np.logical_and.accumulate(expected >= settings.contact_gap, axis=1)
     return Outlook(
         poses=poses,
-        static=np.where(reached, static, np.inf).min(axis=0),
-        moving=moving.min(axis=0),
-        crowding=np.maximum(berth - moving, 0.0).max(axis=0),
+        static=static,
+        moving=moving.min(axis=1),
+        crowding=np.maximum(berth - moving, 0.0)[:, :JUDGED].max(axis=1),
         static_ok=static_ok,
-        contact_step=np.add.reduce(free, dtype=np.intp),
-        soon=static[:SOON].min(axis=0),
-        admissible=static_ok & (moving >= wanted).all(axis=0),
+        contact_step=np.add.reduce(free, axis=1, dtype=np.intp),
+        soon=gaps[:, :SOON].min(axis=1),
+        admissible=static_ok & (moving >= wanted)[:, checked].all(axis=1),
     )
 
 
-def _static(
-    motions: Motions,
+def _margins(
+    aim: FloatArray,
     standing: FloatArray,
     times: FloatArray,
     spec: RobotSpec,
     settings: DecisionSettings,
-) -> tuple[FloatArray, BoolArray]:
-    """(HORIZON, m) gaps to what stands, and where they are less than the margin."""
-    beside = np.maximum(np.abs(standing.astype(np.float32)) - np.float32(spec.half_side), 0.0)
+) -> FloatArray:
+    """(m, HORIZON) gaps to keep to what stands, for the speeds (m,) aimed at."""
+    beside = np.maximum(np.abs(standing) - spec.half_side, 0.0)
     gap_now = float(np.sqrt((beside * beside).sum(axis=1)).min(initial=FAR))
-    speed = np.abs(motions.speed)
+    speed = np.abs(aim)[:, None]
     margin = settings.static_margin + settings.static_margin_growth * speed
     # Closer than that already: any speed will do that makes room at once.
-    regained = gap_now - 0.002 + settings.static_recovery * speed * times
-    gaps = static_clearance(motions.poses, standing, spec.half_side).T
-    return gaps, gaps < np.minimum(margin, regained)
+    return np.minimum(margin, gap_now - 0.002 + settings.static_recovery * speed * times)
 
 
-def _spin_steps(poses: np.ndarray, first: IntArray, spec: RobotSpec) -> IntArray:
-    """(m,) periods it takes to stop turning at the pace of period `first` (m,), rounded up."""
-    candidates, period = np.arange(len(first)), np.minimum(first, HORIZON - 1)
-    yaw = poses.T[2]
-    start = np.where(period > 0, yaw[period - 1, candidates], np.float32(0.0))
-    pace = np.abs(yaw[period, candidates] - start)
-    slowing = spec.max_yaw_acceleration * spec.decision_period**2
-    steps: IntArray = np.ceil(pace / slowing - 1e-3).astype(np.intp)
-    return steps
+@compiled
+def _stop_in_time(
+    poses: FloatArray,
+    gaps: FloatArray,
+    margins: FloatArray,
+    ranges: FloatArray,
+    turn: float,
+    brake_steps: IntArray,
+    slowing: float,
+) -> tuple[IntArray, FloatArray, BoolArray]:
+    """Stops each candidate before what stands or is unseen.
 
+    Args:
+        poses: (m, T, 3) robot frame.
+        gaps: (m, T) to what stands.
+        margins: (m, T) that must be kept.
+        ranges: (n,) of the rays.
+        turn: bearing of the robot's own axis from the first ray, rad.
+        brake_steps: (m,) periods it takes to stop driving.
+        slowing: by which a turn per period can slow down in a period, rad.
 
-def _unseen(poses: np.ndarray, sight: Sight, pose: Pose2D) -> BoolArray:
-    """(HORIZON, m) True where the footprint's centre would leave what this look has seen."""
-    x, y, _ = poses.T
-    count = len(sight.bearings)
-    bearing = np.arctan2(y, x) + (pose.yaw - float(sight.bearings[0]))
-    rays = np.rint(bearing * (count / (2 * pi))).astype(np.intp) % count
-    beyond: BoolArray = x * x + y * y > sight.ranges.take(rays) ** 2
-    return beyond
+    Returns:
+        (m,) the periods after which they stop, (m,) the smallest gap until then, and (m,) whether
+        there is time to stop.
+    """
+    count, periods = gaps.shape
+    rays_per_radian = len(ranges) / (2 * pi)
+    stops = np.full(count, periods - 1)
+    smallest = np.empty(count)
+    in_time = np.full(count, True)
+    for i in range(count):
+        for j in range(periods):
+            x, y = poses[i, j, 0], poses[i, j, 1]
+            blocked = gaps[i, j] < margins[i, j]
+            if not blocked:
+                ray = round((atan2(y, x) + turn) * rays_per_radian) % len(ranges)
+                blocked = x * x + y * y > ranges[ray] ** 2
+            if blocked:
+                before = poses[i, j - 1, 2] if j > 0 else 0.0
+                spin_steps = ceil(abs(poses[i, j, 2] - before) / slowing - 1e-3)
+                last = j - 1 - max(brake_steps[i], spin_steps)
+                in_time[i] = last >= 0
+                stops[i] = max(last, 0)
+                break
+        smallest[i] = gaps[i, : stops[i] + 1].min()
+    return stops, smallest, in_time

@@ -23,6 +23,10 @@ class DecisionSettings:
         reverse_cost: what driving backwards costs.
         waiting_cost: what standing still costs where nothing moves.
         change_cost: cost per radian of a new direction of travel.
+        passing_time: cost of a way past movers per metre that could be driven in the time it takes,
+        passing_length: ... per metre driven on it, and ...
+        passing_weight: ... per step and metre missing of the movers' berth on it.
+        checked_periods: for so long a candidate must stay clear of movers.
         progress_steps: decision periods after which the progress counts.
         stuck_time: time without leaving a circle of `stuck_radius` after which the robot gives up.
         stuck_radius: its radius.
@@ -43,6 +47,10 @@ class DecisionSettings:
     reverse_cost: float = 0.10
     waiting_cost: float = 0.3
     change_cost: float = 0.02
+    passing_time: float = 1.0
+    passing_length: float = 0.5
+    passing_weight: float = 1.0
+    checked_periods: int = 10
     progress_steps: int = 8
     stuck_time: float = 45.0
     stuck_radius: float = 0.3

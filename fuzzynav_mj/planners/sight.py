@@ -165,10 +165,16 @@ def _hidden_reach(sight: Sight, width: float) -> FloatArray:
 
     Zero where the ranges do not jump by at least the width that the robot needs.
     """
+    jump, nearer = range_jumps(sight, width)
+    return np.where(jump, np.minimum(nearer + width, sight.ranges - width), 0.0)
+
+
+def range_jumps(sight: Sight, width: float) -> tuple[BoolArray, FloatArray]:
+    """(n,) True for rays that pass an obstacle's end: one beside them is shorter by the width that
+    the robot needs; and (n,) the range of that one, m."""
     ring = np.concatenate((sight.ranges[-1:], sight.ranges, sight.ranges[:1]))
     nearer = np.minimum(ring[:-2], ring[2:])
-    jump = sight.ranges - nearer >= 2 * width
-    return np.where(jump, np.minimum(nearer + width, sight.ranges - width), 0.0)
+    return sight.ranges - nearer >= 2 * width, nearer
 
 
 def searched_ways(sight: Sight, width: float, comfortable: float) -> Ways:
@@ -191,7 +197,14 @@ def searched_ways(sight: Sight, width: float, comfortable: float) -> Ways:
     rim = rim[np.argsort(-cost.take(rim), kind="stable")]
     target = np.full(count, -1)
     target[ray.take(rim)] = rim  # of several the last, which is the cheapest
-    is_open = (target >= 0) & (sight.ranges >= sight.max_range - 1e-9)
+    target[sight.ranges < sight.max_range - 1e-9] = -1
+    # And past an obstacle's end: the nearest cell behind it from which more may be seen.
+    jump, nearer = range_jumps(sight, width)
+    behind = np.flatnonzero(jump.take(ray) & (target.take(ray) < 0) & np.isfinite(cost))
+    behind = behind[grid.distance.take(behind) >= (nearer + width).take(ray.take(behind))]
+    behind = behind[np.argsort(-grid.distance.take(behind), kind="stable")]
+    target[ray.take(behind)] = behind
+    is_open = target >= 0
     length = np.full(count, np.inf)
     length[is_open] = grid.lengths(before, target[is_open])
     end = np.array((grid.x.take(target), grid.y.take(target))).T

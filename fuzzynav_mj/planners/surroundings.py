@@ -6,6 +6,7 @@ from math import pi
 import numpy as np
 
 from fuzzynav_mj.planners.motions import HORIZON
+from fuzzynav_mj.planners.passing import OUTLOOK
 from fuzzynav_mj.planners.prediction import displacements
 from fuzzynav_mj.planners.sight import Sight, thin
 from fuzzynav_mj.robot import RobotSpec
@@ -20,7 +21,7 @@ class Surroundings:
 
     Attributes:
         sight: what stands. Rays that a mover stops count as free: it will go away.
-        expected: (HORIZON, 2, k) where points of what moves will be at the end of each period, as
+        expected: (OUTLOOK, 2, k) where points of what moves will be at the end of each period, as
             far as its motion can be foreseen ...
         possible: (HORIZON, 2, j) ... and where else they may be.
     """
@@ -42,20 +43,20 @@ def surroundings(perception: Perception, pose: Pose2D, spec: RobotSpec) -> Surro
     expected, possible = [], []
     for mover in movers:
         points_now = thin(mover.points - here, MOVER_SPACING).T[None]
-        first, *others = displacements(mover, here, period_ends(spec))
+        first, *others = displacements(mover, here, period_ends(spec, OUTLOOK))
         expected.append(points_now + first[:, :, None])
-        possible += [points_now + way[:, :, None] for way in others]
+        possible += [points_now + way[:HORIZON, :, None] for way in others]
     sight = Sight(points, bearings, ranges, scan.max_range)
-    return Surroundings(sight, _joined(expected), _joined(possible))
+    return Surroundings(sight, _joined(expected, OUTLOOK), _joined(possible, HORIZON))
 
 
-def _joined(places: list[FloatArray]) -> FloatArray:
-    return np.concatenate(places, axis=2) if places else np.empty((HORIZON, 2, 0))
+def _joined(places: list[FloatArray], periods: int) -> FloatArray:
+    return np.concatenate(places, axis=2) if places else np.empty((periods, 2, 0))
 
 
-def period_ends(spec: RobotSpec) -> FloatArray:
-    """(HORIZON,) ends of the decision periods to come, s from now."""
-    return np.arange(1, HORIZON + 1, dtype=np.float64) * spec.decision_period
+def period_ends(spec: RobotSpec, count: int = HORIZON) -> FloatArray:
+    """(count,) ends of the decision periods to come, s from now."""
+    return np.arange(1, count + 1, dtype=np.float64) * spec.decision_period
 
 
 def _seen_through(

@@ -72,6 +72,7 @@ SOLVABLE = {
         (1.37, 0.56),
         (4.21, 0.50),
     ),
+    "spiral_0.60_m_wide": (square_spiral(0.7), (0.35, 0.35), (0.3, 5.0)),
     "gap_of_0.36_m_ahead": (room_with_gap(1.82, 2.18), (1.0, 2.2), (4.0, 1.8)),
 }
 
@@ -87,8 +88,6 @@ OPEN_PROBLEMS = {
         (1.5, 0.3),
         (1.5, -0.3),
     ),
-    # The edge that is followed jumps from one wall of the way to the other.
-    "spiral_0.60_m_wide": (square_spiral(0.7), (0.35, 0.35), (0.3, 5.0)),
 }
 
 

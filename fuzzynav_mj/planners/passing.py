@@ -1,0 +1,244 @@
+"""The way past what moves: the cheapest way through space and time, as far as can be foreseen.
+
+A roll-out goes straight on; whether to let a mover pass, to step aside and come back, or to run
+ahead of it shows only over a longer time. Here the robot is a disc that may move in any direction
+on a grid of the ground in sight, a step at a time, among movers that go on as expected. The cost
+of the cheapest way on from every place (dynamic programming, backwards in time) tells what a
+candidate's place is worth. It is a guide only: what is safe is decided on the roll-outs.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from math import hypot, pi
+
+import numpy as np
+
+from fuzzynav_mj.compiled import compiled
+from fuzzynav_mj.planners.settings import DecisionSettings
+from fuzzynav_mj.planners.sight import Sight
+from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
+
+CELL = 0.05  # m
+STRIDE = 3  # decision periods in a step; so many cells are driven in it at top speed
+STEPS = 10
+OUTLOOK = STRIDE * STEPS  # decision periods foreseen
+JOINED = 3  # the step at whose end a candidate's place is judged
+JUDGED = STRIDE * JOINED  # the same in decision periods
+DISC = 0.12  # m: radius of the disc that stands for the footprint
+ARRIVED = 0.1  # m from the target
+NEARBY = 0.3  # m: larger gaps between the disc and movers do not matter
+BERTH = 0.13  # m: gap to movers below which a place costs more, now ...
+BERTH_GROWTH = 0.01  # m: ... and per step
+LEAST_GAP = 0.03  # m: a smaller one counts as contact
+NO_WAY = 4.0  # m: cost of a place with no way on
+BLOCKED = 2.0  # m: what a place among obstacles costs more than its distance to the target
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Passing:
+    """What places are worth when the judged periods are over.
+
+    Attributes:
+        value: (n, n) cost of the cheapest way on from each cell, m, less the target's distance
+            from the robot; `NO_WAY` where there is none.
+        half: cells to each side of the robot's own.
+        target: (2,) robot-centred.
+    """
+
+    value: FloatArray
+    half: int
+    target: FloatArray
+
+    def worth(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """(m,) the value at places, robot-centred with axes parallel to the world's."""
+        towards_x, towards_y = self.target.tolist()
+        blocked = np.hypot(x - towards_x, y - towards_y) - hypot(towards_x, towards_y) + BLOCKED
+        return _interpolate(self.value, x / CELL + self.half, y / CELL + self.half, blocked)
+
+
+def ways_past(
+    sight: Sight, expected: FloatArray, target: FloatArray, settings: DecisionSettings
+) -> Passing:
+    """The value of all places in sight.
+
+    Args:
+        sight: what stands, and what can be seen.
+        expected: (OUTLOOK, 2, k) points of movers at the end of each decision period.
+        target: (2,) the subgoal, robot-centred with axes parallel to the world's.
+        settings: weights.
+    """
+    ground = _ground(sight.max_range)
+    passable = _passable(ground, sight)
+    gaps = _gaps(ground.axis, np.ascontiguousarray(expected.transpose(0, 2, 1)))
+    left_over = np.hypot(ground.x - target[0], ground.y - target[1])
+    value = _value(
+        passable,
+        gaps,
+        left_over - hypot(*target.tolist()),
+        ground.rim | (left_over < ARRIVED),
+        ground.moves,
+        settings.passing_time * CELL * STRIDE + settings.passing_length * ground.lengths,
+        settings.passing_weight,
+    )
+    return Passing(value, ground.half, target)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Ground:
+    """Cells around the robot and the moves of one step.
+
+    Attributes:
+        half: cells to each side of the robot's own.
+        axis: (n,) coordinate of the cells in one row, m.
+        x, y: (n, n) m.
+        distance, bearing: (n, n) from the robot's own cell, m and rad.
+        rim: (n, n) True at the edge of sight.
+        moves: (k, 2) cells; as many as the top speed allows.
+        lengths: (k,) m.
+    """
+
+    half: int
+    axis: FloatArray
+    x: FloatArray
+    y: FloatArray
+    distance: FloatArray
+    bearing: FloatArray
+    rim: BoolArray
+    moves: IntArray
+    lengths: FloatArray
+
+
+@lru_cache(maxsize=4)
+def _ground(radius: float) -> _Ground:
+    half = int(radius / CELL)
+    axis: FloatArray = np.arange(-half, half + 1) * np.float64(CELL)
+    x, y = np.meshgrid(axis, axis, indexing="ij")
+    distance = np.hypot(x, y)
+    steps = range(-STRIDE, STRIDE + 1)
+    moves = [(i, j) for i in steps for j in steps if i * i + j * j <= STRIDE**2]
+    return _Ground(
+        half=half,
+        axis=axis,
+        x=x,
+        y=y,
+        distance=distance,
+        bearing=np.arctan2(y, x),
+        rim=distance > radius - 1.5 * CELL,
+        moves=np.array(moves, dtype=np.intp),
+        lengths=CELL * np.hypot(*np.array(moves).T),
+    )
+
+
+def _passable(ground: _Ground, sight: Sight) -> BoolArray:
+    """(n, n) True where the disc may be, as far as what stands is concerned."""
+    count = len(sight.bearings)
+    turn = (ground.bearing - sight.bearings[0]) * (count / (2 * pi))
+    ray = np.floor(turn + 0.5).astype(np.intp) % count
+    seen: BoolArray = ground.distance <= sight.ranges.take(ray) + 1e-9
+    x, y = sight.points.T
+    # Where the robot stands it may stand.
+    disc = min(DISC, float(np.hypot(x, y).min(initial=DISC)) - 0.02)
+    seen[ground.half, ground.half] = True
+    _block(seen, ground.axis, sight.points, disc)
+    return seen
+
+
+@compiled
+def _block(passable: BoolArray, axis: FloatArray, points: FloatArray, radius: float) -> None:
+    """Clears the cells that lie within the radius of a point (k, 2)."""
+    half, reach = len(axis) // 2, int(radius / CELL) + 1
+    for k in range(len(points)):
+        x, y = points[k, 0], points[k, 1]
+        i, j = round(x / CELL) + half, round(y / CELL) + half
+        for a in range(max(i - reach, 0), min(i + reach + 1, len(axis))):
+            for b in range(max(j - reach, 0), min(j + reach + 1, len(axis))):
+                if (axis[a] - x) ** 2 + (axis[b] - y) ** 2 < radius**2:
+                    passable[a, b] = False
+
+
+@compiled
+def _gaps(axis: FloatArray, expected: FloatArray) -> FloatArray:
+    """(STEPS + 1, n, n) smallest gaps between the disc and movers around each step's end; at most
+    `NEARBY`."""
+    size, half = len(axis), len(axis) // 2
+    farthest = (NEARBY + DISC) ** 2
+    reach = int((NEARBY + DISC) / CELL)
+    gaps = np.full((STEPS + 1, size, size), farthest)
+    for step in range(JOINED + 1, STEPS + 1):
+        first = step * STRIDE - 2
+        for period in range(first, min(first + STRIDE, len(expected))):
+            for k in range(expected.shape[1]):
+                x, y = expected[period, k, 0], expected[period, k, 1]
+                i, j = round(x / CELL) + half, round(y / CELL) + half
+                for a in range(max(i - reach, 0), min(i + reach + 1, size)):
+                    for b in range(max(j - reach, 0), min(j + reach + 1, size)):
+                        squared = (axis[a] - x) ** 2 + (axis[b] - y) ** 2
+                        gaps[step, a, b] = min(gaps[step, a, b], squared)
+    gaps[:] = np.sqrt(gaps) - DISC
+    return gaps
+
+
+@compiled
+def _value(
+    passable: BoolArray,
+    gaps: FloatArray,
+    left_over: FloatArray,
+    leaves: BoolArray,
+    moves: IntArray,
+    tolls: FloatArray,
+    crowding: float,
+) -> FloatArray:
+    """(n, n) cost of the cheapest way from each cell at the end of step JOINED to the last one.
+
+    Args:
+        passable: (n, n) where the disc may be.
+        gaps: (STEPS + 1, n, n) to movers.
+        left_over: (n, n) cost of what then remains to the target.
+        leaves: (n, n) True where the way may end before the last step.
+        moves, tolls: (k, 2) cells and (k,) cost of each.
+        crowding: cost per step and metre missing of the berth.
+    """
+    size = len(left_over)
+    value = np.where(passable, left_over, NO_WAY)
+    there = np.empty((size, size))
+    for step in range(STEPS, JOINED, -1):
+        berth = BERTH + BERTH_GROWTH * step
+        for a in range(size):
+            for b in range(size):
+                gap = gaps[step, a, b]
+                there[a, b] = value[a, b] + crowding * max(berth - gap, 0.0)
+                if gap < LEAST_GAP or not passable[a, b]:
+                    there[a, b] = NO_WAY
+        for a in range(size):
+            for b in range(size):
+                if not passable[a, b]:
+                    continue
+                best = left_over[a, b] if leaves[a, b] else NO_WAY
+                for m in range(len(moves)):
+                    i, j = a + moves[m, 0], b + moves[m, 1]
+                    if 0 <= i < size and 0 <= j < size:
+                        best = min(best, there[i, j] + tolls[m])
+                value[a, b] = best
+    return value
+
+
+@compiled
+def _interpolate(
+    value: FloatArray, x: FloatArray, y: FloatArray, blocked: FloatArray
+) -> FloatArray:
+    """(m,) the value between the cells, of those from which there is a way on; else `blocked`."""
+    result = blocked.copy()
+    last = len(value) - 2
+    for k in range(len(x)):
+        i, j = min(max(int(x[k]), 0), last), min(max(int(y[k]), 0), last)
+        u, v = min(max(x[k] - i, 0.0), 1.0), min(max(y[k] - j, 0.0), 1.0)
+        total = weight = 0.0
+        for a in range(2):
+            for b in range(2):
+                share = (u if a else 1.0 - u) * (v if b else 1.0 - v)
+                if value[i + a, j + b] < NO_WAY:
+                    total += share * value[i + a, j + b]
+                    weight += share
+        if weight > 0.1:
+            result[k] = total / weight
+    return result
