@@ -43,7 +43,8 @@ class PathFollower:
         self._problem = problem
         self._map = free_space(problem.static_map, problem.goal, RADIUS)
         self._method = self._make_method()
-        self._method.prepare(self._map, np.array(problem.goal), rng)
+        # A goal beside a wall may be nearer to it than the disc: then one within its tolerance.
+        self._method.prepare(self._map, self._map.nearest(np.array(problem.goal)), rng)
         self._path: FloatArray | None = None
         self._detour = False
         self._planned = -np.inf  # time of the last plan, s

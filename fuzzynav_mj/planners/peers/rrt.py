@@ -43,7 +43,9 @@ class Rrt:
             distance = float(np.sqrt(squared[nearest]))
             if distance < 1e-9:
                 continue
-            place = places[nearest] + away[nearest] * min(1.0, STEP / distance)
+            place = target
+            if distance > STEP:
+                place = places[nearest] + away[nearest] * (STEP / distance)
             if not space.joins(places[nearest][None], place[None])[0]:
                 continue
             places[count], before[count] = place, nearest

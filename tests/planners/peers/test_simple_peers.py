@@ -157,3 +157,12 @@ def test_a_follower_without_a_path_says_so(
     wall = np.array([[1.0, -3.0], [1.2, -3.0], [1.2, 3.0], [1.0, 3.0]])
     planner = started(PathFollower(method), with_map(2.5, 0.0, wall))
     assert planner.decide(replace(observe(), perception=None)).give_up == "no_path"
+
+
+@pytest.mark.parametrize("method", [Prm, Rrt])
+def test_a_goal_close_to_a_wall_is_reached(method: type[Prm] | type[Rrt]) -> None:
+    """0.11 m from the wall the square fits beside it, but not the disc that paths are for."""
+    wall = np.array([[1.11, -1.0], [1.3, -1.0], [1.3, 1.0], [1.11, 1.0]])
+    planner = started(PathFollower(method), with_map(1.0, 0.0, wall))
+    poses = drive(planner, Pose2D(0.0, 0.0, 0.0), (1.0, 0.0), shapely.Polygon(wall))
+    assert hypot(poses[-1].x - 1.0, poses[-1].y) <= 0.05
