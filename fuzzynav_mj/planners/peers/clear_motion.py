@@ -21,7 +21,7 @@ RECOVERY = 0.10  # m of gap to regain per metre travelled where there is less th
 SPIN_STEPS = 3  # decision periods it takes to stop turning from the largest yaw rate
 REVERSE_COST = 0.05  # m: what driving backwards costs
 BERTH = 0.30  # m: gap to strange hits below which a candidate costs more ...
-BERTH_WEIGHT = 4.0  # ... in m of way per m missing
+BERTH_WEIGHT = 8.0  # ... in m of way per m missing
 SOON = 3  # decision periods that count where no candidate keeps clear
 
 
@@ -85,8 +85,8 @@ def step_towards(
     admissible = (free == HORIZON) | (last >= 0)
     if not admissible.any():
         best = int(gaps[:, :SOON].min(axis=1).argmax())
-    elif turn_to is not None and admissible[-2]:
-        best = len(admissible) - 2  # on the spot
+    elif turn_to is not None and admissible[spot := int(motions.on_the_spot.argmax())]:
+        best = spot
     else:
         stops = np.where(free == HORIZON, HORIZON - 1, np.maximum(last, 0))
         poses = motions.stopping(stops)
