@@ -32,7 +32,7 @@ class Contents:
     Attributes:
         folder: the benchmark.
         scenarios: names, the paper's four first.
-        planners: names, without the variants of an ablation.
+        planners: names; the variants of an ablation only where there is nothing else.
         variants: names of planners with options, and what they vary.
         disturbance: of the episodes that the report is about; perfect senses if the folder has
             such episodes.
@@ -100,7 +100,7 @@ def contents_of(folder: BenchFolder) -> Contents:
     return Contents(
         folder=folder,
         scenarios=tuple(_sorted(folder.scenarios, PAPER_SCENARIOS)),
-        planners=tuple(_sorted(plain, ORDER)),
+        planners=tuple(_sorted(plain or with_options, ORDER)),
         variants=(*whole, *sorted(with_options)),
         disturbance=PERFECT if PERFECT in disturbances else min(disturbances),
     )

@@ -36,6 +36,7 @@ SETTINGS = {
     "axes.spines.top": False,
     "axes.spines.right": False,
     "hatch.linewidth": 0.6,
+    "text.parse_math": False,  # names may hold any character
     "svg.hashsalt": "fuzzynav_mj",  # else the ids in the file are drawn at random
 }
 

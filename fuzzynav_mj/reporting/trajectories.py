@@ -38,11 +38,16 @@ def trajectory_pictures(
         labels: of the planners.
     """
     styles = line_styles(planners)
+    taken: set[str] = set()
     for name in dict.fromkeys(trace.job.scenario.name for trace in traces):
         own = [trace for trace in traces if trace.job.scenario.name == name]
         own.sort(key=lambda trace: planners.index(trace.job.planner))
+        file_name = f"ways_{slug(name)}"
+        while file_name in taken:
+            file_name += "_"
+        taken.add(file_name)
         yield Picture(
-            f"ways_{slug(name)}",
+            file_name,
             f"Ways through {name}, seed {own[0].job.seed} (as figure 10)",
             f"The ways of all planners through {name} on the same seed. Grey stands; orange moves, "
             "shown where it is at the start, with its way as a thin line. Square: start; star: "

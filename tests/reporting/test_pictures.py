@@ -103,7 +103,7 @@ def test_files_are_well_formed_and_the_same_every_time(tmp_path: Path) -> None:
     folders = []
     for name in ("one", "two"):
         folders.append(tmp_path / name)
-        for picture in bars(folders[-1], row(), row(scenario="odd & <name>")).values():
+        for picture in bars(folders[-1], row(), row(scenario="odd & <$\\frac{>")).values():
             assert picture.write(folders[-1]).startswith(b"\x89PNG")
     pictures = sorted(path.name for path in folders[0].iterdir() if path.suffix != ".jsonl")
     assert len(pictures) == 8

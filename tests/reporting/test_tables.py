@@ -70,6 +70,7 @@ def test_table_3_has_ours_and_theirs_for_each_world(tmp_path: Path) -> None:
         ("multilayer", "obstacles", "-", "13.64", "-"),
     )
     assert paths.theirs == {3}
+    assert any(note.startswith("The paper's columns") for note in paths.notes)
     failures = line(made, "Table 3, failures", "multilayer")
     low, _ = wilson_interval(1, 1)
     assert failures["concave"] == f"100.0 [{100 * low:.1f}, 100.0]"
@@ -178,6 +179,14 @@ def test_the_papers_worlds_and_planner_come_first(tmp_path: Path) -> None:
     assert made.scenarios == ("convex", "narrow", "a")
     assert made.planners == ("fuzzy", "multilayer", "aaa.py:Mine")
     assert made.given("aaa.py:Mine") == "unknown"  # the file is gone
+
+
+def test_variants_alone_are_compared_as_planners(tmp_path: Path) -> None:
+    made = contents(tmp_path, row(planner="fuzzy:gate=60"), row(planner="fuzzy:gate=90"))
+    assert made.planners == ("fuzzy:gate=60", "fuzzy:gate=90")
+    paths = table(made, "Table 3, path length")
+    assert len(paths.rows) == 2
+    assert not any("paper" in note for note in paths.notes)  # it has no numbers for them
 
 
 def test_files_of_the_same_name_keep_their_folders(tmp_path: Path) -> None:
