@@ -45,7 +45,7 @@ def report(folder: Path, out: Path | None, processes: int) -> int:
         ) from None
     jobs, notes = replay_jobs(contents)
     if jobs:
-        note(f"playing {len(jobs)} episodes once more for the pictures")
+        note(f"playing {len(jobs)} of the episodes once more for the pictures")
     played: dict[object, Trace] = {}
     lost: list[FailedEpisode] = []
     progress = progress_bar("ways", len(jobs))

@@ -35,7 +35,7 @@ class Contents:
         planners: names; the variants of an ablation only where there is nothing else.
         variants: names of planners with options, and what they vary.
         disturbance: of the episodes that the report is about; perfect senses if the folder has
-            such episodes.
+            such episodes, else the one of which it has most.
     """
 
     folder: BenchFolder
@@ -95,14 +95,14 @@ def contents_of(folder: BenchFolder) -> Contents:
     """Put a benchmark in order."""
     with_options = [name for name in folder.planners if _is_variant(name)]
     plain = [name for name in folder.planners if not _is_variant(name)]
-    disturbances = {disturbance_of(row) for row in folder.rows}
+    numbers = Counter(disturbance_of(row) for row in folder.rows)
     whole = [name for name in ("fuzzy", "multilayer") if name in plain] if with_options else []
     return Contents(
         folder=folder,
         scenarios=tuple(_sorted(folder.scenarios, PAPER_SCENARIOS)),
         planners=tuple(_sorted(plain or with_options, ORDER)),
         variants=(*whole, *sorted(with_options)),
-        disturbance=PERFECT if PERFECT in disturbances else min(disturbances),
+        disturbance=PERFECT if PERFECT in numbers else numbers.most_common(1)[0][0],
     )
 
 

@@ -165,6 +165,14 @@ def test_imperfect_senses_are_kept_apart(tmp_path: Path) -> None:
     assert lines[1][3].startswith("1 / 2: 50.0 [")
 
 
+def test_without_perfect_senses_the_most_frequent_ones_are_reported(tmp_path: Path) -> None:
+    made = contents(
+        tmp_path, row(dropouts=0.02), row(range_noise_m=0.01), row(range_noise_m=0.01, seed=1)
+    )
+    assert str(made.disturbance) == "noise 0.01 m"
+    assert table(made, "Table 2").rows[0][1] == "2"
+
+
 def test_failures_everywhere_leave_dashes(tmp_path: Path) -> None:
     made = contents(tmp_path, row(outcome="contact", plan_ms_p50=None, plan_ms_p99=None))
     cells = table(made, "Table 2").rows[0]
