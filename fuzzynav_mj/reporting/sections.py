@@ -11,9 +11,10 @@ from fuzzynav_mj.reporting.page import Section
 from fuzzynav_mj.reporting.risk_figure import risk_picture
 from fuzzynav_mj.reporting.style import Picture
 from fuzzynav_mj.reporting.table import Table
-from fuzzynav_mj.reporting.tables import comparison_tables, variation_tables
+from fuzzynav_mj.reporting.tables import comparison_tables
 from fuzzynav_mj.reporting.traces import Trace
 from fuzzynav_mj.reporting.trajectories import frame_picture, trajectory_pictures
+from fuzzynav_mj.reporting.variations import variation_tables
 from fuzzynav_mj.robot import DEFAULT_ROBOT
 
 TITLE = "Navigation among moving obstacles: planners compared"

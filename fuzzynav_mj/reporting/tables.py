@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterator
 from statistics import fmean, stdev
 
-from fuzzynav_mj.disturbance import PERFECT, Disturbance
 from fuzzynav_mj.metrics import wilson_interval
 from fuzzynav_mj.reporting.contents import Contents
 from fuzzynav_mj.reporting.published import (
@@ -47,11 +46,6 @@ def comparison_tables(contents: Contents) -> list[Table]:
         _endings(contents),
         *_possible(contents),
     ]
-
-
-def variation_tables(contents: Contents) -> list[Table]:
-    """The planner with parts taken away, and imperfect senses, as far as the folder has them."""
-    return [*_ablation(contents), *_disturbed(contents)]
 
 
 def _own_planner(contents: Contents) -> Iterator[Table]:
@@ -177,7 +171,7 @@ def _paired(contents: Contents) -> Iterator[Table]:
         headings=("planner", "given", *contents.scenarios),
         rows=tuple(
             (
-                *_head(contents, planner),
+                *head(contents, planner),
                 *(cell(s, planner) for s in contents.scenarios),
             )
             for planner in others
@@ -200,7 +194,7 @@ def _endings(contents: Contents) -> Table:
         fault = sum(bool(row.get("contact_at_fault")) for row in own)
         rows.append(
             (
-                *_head(contents, planner),
+                *head(contents, planner),
                 str(len(own)),
                 str(counts[Outcome.GOAL_REACHED]),
                 str(counts[Outcome.CONTACT] - standing),
@@ -265,81 +259,6 @@ def _possible(contents: Contents) -> Iterator[Table]:
     )
 
 
-def _ablation(contents: Contents) -> Iterator[Table]:
-    """The paper's planner with parts taken away."""
-    if not contents.variants:
-        return
-
-    def cell(scenario: str, planner: str) -> str:
-        group = contents.summaries.get((scenario, planner))
-        if group is None:
-            return EMPTY
-        return (
-            f"{group.successes} / {group.episodes}; {spread_text(group.path_length, 2)}; "
-            f"{group.vetoes:.1f}"
-        )
-
-    yield Table(
-        title="Ablation: reached / episodes; path, m; vetoes per episode",
-        headings=("planner", "differs in", "given", *contents.scenarios),
-        rows=tuple(
-            (
-                name,
-                differs_in(name),
-                contents.given(name),
-                *(cell(scenario, name) for scenario in contents.scenarios),
-            )
-            for name in contents.variants
-        ),
-        notes=(REACHED_NOTE,),
-    )
-
-
-def _disturbed(contents: Contents) -> Iterator[Table]:
-    """Success with imperfect sensors and floors."""
-    lines = sorted({(p, d) for _, p, d in contents.others}, key=lambda line: (line[1], line[0]))
-    disturbances = {disturbance for _, disturbance in lines}
-    if disturbances == {PERFECT}:
-        return
-
-    def cell(scenario: str, planner: str, disturbance: Disturbance) -> str:
-        group = contents.others.get((scenario, planner, disturbance))
-        if group is None:
-            return EMPTY
-        return f"{group.successes} / {group.episodes}: " + rate_text(
-            group.successes, group.episodes, group.interval
-        )
-
-    yield Table(
-        title="Success with imperfect sensors and floor, % [95 %]",
-        headings=("disturbance", "planner", "given", *contents.scenarios),
-        rows=tuple(
-            (
-                str(disturbance),
-                *_head(contents, planner),
-                *(cell(scenario, planner, disturbance) for scenario in contents.scenarios),
-            )
-            for planner, disturbance in lines
-        ),
-        notes=(f"Everything else on this page is of disturbance: {contents.disturbance}.",),
-    )
-
-
-def differs_in(name: str) -> str:
-    """What a planner with options changes, in words."""
-    base, _, text = name.partition(":")
-    words = ["no fuzzy gate"] if base == "multilayer" else []
-    for part in filter(None, text.split(",")):
-        option, _, value = part.partition("=")
-        if option == "gate":
-            words.append(f"gate at {value}")
-        elif option == "prediction":
-            words.append("movers taken as standing" if value == "off" else "movers predicted")
-        elif option == "rules":
-            words.append("the 28 published rules alone" if value == "paper" else f"rules {value}")
-    return ", ".join(words) or "nothing: the whole method"
-
-
 def _by_world(
     contents: Contents,
     title: str,
@@ -359,7 +278,7 @@ def _by_world(
         headings += [scenario, THEIRS] if paper else [scenario]
     rows = []
     for planner in contents.planners:
-        cells = [*_head(contents, planner)]
+        cells = [*head(contents, planner)]
         for scenario, paper in columns:
             group = contents.summaries.get((scenario, planner))
             cells.append(EMPTY if group is None else cell(group))
@@ -376,7 +295,8 @@ def _by_world(
     )
 
 
-def _head(contents: Contents, planner: str) -> tuple[str, str]:
+def head(contents: Contents, planner: str) -> tuple[str, str]:
+    """The first cells of a planner's line: its name and what it is given."""
     return contents.labels[planner], contents.given(planner)
 
 

@@ -9,7 +9,8 @@ from fuzzynav_mj.metrics import wilson_interval
 from fuzzynav_mj.reporting.contents import Contents, contents_of
 from fuzzynav_mj.reporting.folder import read_folder
 from fuzzynav_mj.reporting.table import Table
-from fuzzynav_mj.reporting.tables import comparison_tables, differs_in, variation_tables
+from fuzzynav_mj.reporting.tables import comparison_tables
+from fuzzynav_mj.reporting.variations import differs_in, variation_tables
 from fuzzynav_mj.results import Row
 
 
@@ -140,7 +141,9 @@ def test_variants_have_a_table_of_their_own(tmp_path: Path) -> None:
         ("fuzzy:gate=60", "gate at 60"),
         ("fuzzy:prediction=off", "movers taken as standing"),
     ]
-    assert line(made, "Ablation", "fuzzy:gate=60")["concave"] == "1 / 1; 12.50 ± -; 3.0"
+    assert line(made, "Ablation", "fuzzy:gate=60")["concave"] == (
+        "1 / 1: 100.0 [20.7, 100.0]; 12.50 ± -; 3.0"
+    )
 
 
 @pytest.mark.parametrize(
