@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenes import discs_scan, hit_points, observe, towards
+from peer_scenes import discs_scan, hit_points, observe, towards
 
 from fuzzynav_mj.control import drive_towards
 from fuzzynav_mj.planners.clearance import static_clearance

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenes import discs_scan, hit_points, observe, round_mover, seen_obstacle, towards
+from peer_scenes import discs_scan, hit_points, observe, round_mover, seen_obstacle, towards
 
 from fuzzynav_mj.planners.base import Observation
 from fuzzynav_mj.planners.peers.mppi import (

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes import observe, round_mover, seen_obstacle, towards
+from peer_scenes import observe, round_mover, seen_obstacle, towards
 
 from fuzzynav_mj.planners.peers.half_planes import HalfPlanes
 from fuzzynav_mj.planners.peers.orca import (

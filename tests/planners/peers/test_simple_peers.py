@@ -8,7 +8,7 @@ import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenes import discs_scan, hit_points, observe, towards
+from peer_scenes import discs_scan, hit_points, observe, towards
 from solids import scan_of
 
 from fuzzynav_mj.control import drive_towards
