@@ -80,6 +80,10 @@ class Simulation(Protocol):
         """Present speeds."""
 
     @property
+    def commanded(self) -> Twist2D:
+        """Speeds commanded at the end of the last period, from which the next ones lead on."""
+
+    @property
     def time(self) -> float:
         """Simulated time, s."""
 
@@ -167,7 +171,7 @@ def run_episode(
             perception = perceiver.perceive(scan, look.scan_estimate)
             last_scan = scan
         decision = planner.decide(
-            Observation(simulation.time, look.estimate, twist, scan, perception)
+            Observation(simulation.time, look.estimate, simulation.commanded, scan, perception)
         )
         plan_time = perf_counter() - before
         time, movers = simulation.time, simulation.mover_positions

@@ -336,6 +336,11 @@ class NavigateToGoal(composer.Task):
         return float(self._data.time)
 
     @property
+    def commanded(self) -> Twist2D:
+        """Speeds commanded at the end of the last period."""
+        return self._commanded
+
+    @property
     def wheel_command(self) -> WheelSpeeds:
         """The wheel speeds commanded at the end of the last period."""
         return wheel_speeds(self._commanded.v, self._commanded.omega, self.spec)

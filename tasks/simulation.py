@@ -66,6 +66,11 @@ class EpisodeSimulation:
         return self._task.pose
 
     @property
+    def commanded(self) -> Twist2D:
+        """Speeds commanded at the end of the last period."""
+        return self._task.commanded
+
+    @property
     def twist(self) -> Twist2D:
         """Present forward speed and yaw rate."""
         return self._task.twist

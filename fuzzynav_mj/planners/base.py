@@ -59,7 +59,7 @@ class Observation:
     Attributes:
         stamp: simulated time, s.
         pose: of the footprint's centre.
-        twist: of the robot.
+        twist: that the robot was told to have by now; its wheels follow closely.
         scan: None unless the planner requires the scan or the obstacles.
         perception: None unless the planner requires the obstacles.
     """

@@ -23,6 +23,7 @@ from fuzzynav_mj.planners.sight import (
 )
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
+BOUNDARY_LOST = 0.1  # m beyond sight
 SAME_WAY = 0.87  # cosine of the largest angle between bearings of what is still the same way
 
 
@@ -128,7 +129,12 @@ class Guidance:
         goal = np.array([self._goal[0] - place[0], self._goal[1] - place[1]])
         distance = float(np.hypot(*goal))
         if self._following is not None:
-            self._watch_boundary(place, goal, sight, self._following)
+            edge = self._following.edge
+            if hypot(edge[0] - place[0], edge[1] - place[1]) > sight.max_range + BOUNDARY_LOST:
+                # Movers have driven the robot off: what it sees now is another boundary.
+                self._following = None
+            else:
+                self._watch_boundary(place, goal, sight, self._following)
         if self._goal_in_reach(goal, distance, sight):
             self._following = None
             self._bearing = atan2(goal[1], goal[0])

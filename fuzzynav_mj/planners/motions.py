@@ -49,6 +49,7 @@ class Motions:
 
     Attributes:
         poses: (m, HORIZON, 3) x, y of the footprint's centre and yaw, after each period.
+        speeds: (m, 2) forward speed and yaw rate after the first one, m/s and rad/s.
         speed: (m,) speed aimed at, m/s, negative in reverse.
         direction: (m,) direction of travel aimed at, rad.
         brake_steps: (m,) periods it takes to stop from that speed, rounded up.
@@ -56,6 +57,7 @@ class Motions:
     """
 
     poses: FloatArray
+    speeds: FloatArray
     speed: FloatArray
     direction: FloatArray
     brake_steps: IntArray
@@ -74,8 +76,8 @@ def candidate_motions(wanted: float, twist: Twist2D, spec: RobotSpec) -> Motions
     rows = np.concatenate((ahead, _BACK)).take(_CANDIDATES)
     direction = np.concatenate((ahead * TURN_STEP, _BACK_DIRECTIONS)).take(_CANDIDATES)
     speed, brake_steps = _aims(spec)
-    poses = _roll(rows, speed, twist, spec)
-    return Motions(poses, speed, direction, brake_steps, _ON_THE_SPOT)
+    poses, speeds = _roll(rows, speed, twist, spec)
+    return Motions(poses, speeds, speed, direction, brake_steps, _ON_THE_SPOT)
 
 
 @lru_cache(maxsize=8)
@@ -94,6 +96,7 @@ class _Headings:
     Attributes:
         span: (steps,) length of each time step, s.
         whole: (HORIZON,) the step that each decision period ends with.
+        rate: (classes, rows) yaw rate after the first period, rad/s.
         courses: (classes, rows, steps, 6) share of the speed aimed at, at each step's end; x and y
             of the heading in its middle; x and y of the centre's mean velocity about the axle,
             m/s; and the heading at its end.
@@ -101,6 +104,7 @@ class _Headings:
 
     span: FloatArray
     whole: IntArray
+    rate: FloatArray
     courses: FloatArray
 
 
@@ -115,7 +119,7 @@ def _headings(spec: RobotSpec) -> _Headings:
     classes = round(spec.max_yaw_rate / YAW_RATE_CLASS)
     rate = np.repeat(np.arange(-classes, classes + 1)[:, None] * YAW_RATE_CLASS, len(turns), axis=1)
     yaw = np.zeros_like(rate)
-    middle, mean, drive, after = [], [], [], []
+    middle, mean, drive, after, rates = [], [], [], [], []
     for step in span:
         start = yaw
         for part in (step / 2, step / 2):
@@ -130,21 +134,26 @@ def _headings(spec: RobotSpec) -> _Headings:
         # Drive while roughly on course; turn on the spot otherwise.
         drive.append(np.maximum(np.cos(np.clip(error, -pi / 2, pi / 2)), 0.0) ** 2)
         after.append(yaw)
+        rates.append(rate)
     c, s = np.cos(middle[::2]), np.sin(middle[::2])
     side = spec.axle_offset * np.array(mean)
     courses = np.stack((drive, c, s, -s * side, c * side, after), axis=-1)
     courses = np.ascontiguousarray(courses.transpose(1, 2, 0, 3))
-    return _Headings(span, whole, courses)
+    return _Headings(span, whole, rates[whole[0]], courses)
 
 
-def _roll(rows: IntArray, aim: FloatArray, twist: Twist2D, spec: RobotSpec) -> FloatArray:
-    """(m, HORIZON, 3) poses for rows (m,) of the heading table and speeds aimed at (m,)."""
+def _roll(
+    rows: IntArray, aim: FloatArray, twist: Twist2D, spec: RobotSpec
+) -> tuple[FloatArray, FloatArray]:
+    """(m, HORIZON, 3) poses, and (m, 2) speeds after the first period, for rows (m,) of the heading
+    table and speeds aimed at (m,)."""
     table = _headings(spec)
     classes = round(spec.max_yaw_rate / YAW_RATE_CLASS)
     kind = min(max(round(twist.omega / YAW_RATE_CLASS), -classes), classes) + classes
-    return _drive(
+    poses, first = _drive(
         table.courses[kind], rows, aim, twist.v, spec.max_acceleration, table.span, table.whole
     )
+    return poses, np.column_stack((first, table.rate[kind].take(rows)))
 
 
 @compiled
@@ -156,9 +165,11 @@ def _drive(
     acceleration: float,
     span: FloatArray,
     whole: IntArray,
-) -> FloatArray:
-    """(m, HORIZON, 3) poses: the speed follows its share of the aim within the acceleration."""
+) -> tuple[FloatArray, FloatArray]:
+    """(m, HORIZON, 3) poses: the speed follows its share of the aim within the acceleration; and
+    (m,) the speed after the first period."""
     poses = np.empty((len(rows), len(whole), 3))
+    first = np.empty(len(rows))
     for i in range(len(rows)):
         x, y, speed, period = 0.0, 0.0, speed_now, 0
         for step in range(len(span)):
@@ -169,9 +180,11 @@ def _drive(
             x += (c * mean + aside_x) * span[step]
             y += (s * mean + aside_y) * span[step]
             speed = after
-            if whole[period] == step:
+            if step == whole[0]:
+                first[i] = speed
+            if step == whole[period]:
                 poses[i, period, 0] = x
                 poses[i, period, 1] = y
                 poses[i, period, 2] = yaw
                 period += 1
-    return poses
+    return poses, first

@@ -18,6 +18,7 @@ from fuzzynav_mj.planners.guidance import Guidance, Heading
 from fuzzynav_mj.planners.motions import Motions, candidate_motions
 from fuzzynav_mj.planners.outlook import Outlook, look_ahead
 from fuzzynav_mj.planners.passing import JUDGED, Passing, ways_past
+from fuzzynav_mj.planners.peers.steering import position_after
 from fuzzynav_mj.planners.sectors import as_fuzzy_inputs, sector_distances
 from fuzzynav_mj.planners.settings import DecisionSettings
 from fuzzynav_mj.planners.surroundings import surroundings
@@ -85,9 +86,9 @@ class MultilayerPlanner:
         chosen = verdict.chosen
         self._travel = float(motions.direction[chosen]) + pose.yaw
         self._evading = not outlook.admissible[chosen]
-        x, y = candidates.positions[chosen].tolist()
+        v, omega = motions.speeds[chosen].tolist()
         return Decision(
-            next_position=(x, y),
+            next_position=position_after(v, omega, pose, observation.twist, self._spec),
             behaviour=_behaviour(chosen, motions, outlook, alone, heading, dock, perception),
             inputs=verdict.inputs,
             risk=float(verdict.risks[chosen]),
