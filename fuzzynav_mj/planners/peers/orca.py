@@ -46,8 +46,8 @@ class OrcaSettings:
     """
 
     horizon: float = 2.0
-    static_horizon: float = 0.5
-    margin: float = 0.05
+    static_horizon: float = 1.0
+    margin: float = 0.1
     static_margin: float = 0.02
 
 

@@ -171,16 +171,16 @@ def test_velocity_chosen_in_front_of_a_mover_keeps_clear_until_the_horizon() -> 
     obstacle = round_mover(0.78, 0.1, (-0.2, 0.0))
     seen = observe(obstacles=(obstacle,)).perception
     assert seen is not None
-    twist = Twist2D(0.2, 0.0)
-    moving = mover_half_planes(seen, HERE, twist, SPEC, SETTINGS)
+    twist, settings = Twist2D(0.2, 0.0), OrcaSettings(margin=0.05)
+    moving = mover_half_planes(seen, HERE, twist, SPEC, settings)
     wanted = np.array([0.5, 0.0])
     choice = choose_velocity(wanted, reachable(twist, SPEC), NONE, moving)
     disc = enclosing_disc(obstacle, HERE)
-    reach = disc.radius + SPEC.half_diagonal + SETTINGS.margin
+    reach = disc.radius + SPEC.half_diagonal + settings.margin
     assert choice.note == ""
     relative = choice.velocity - disc.velocity
-    assert smallest_distance(disc.centre, relative, SETTINGS.horizon) >= reach - 1e-6
-    assert smallest_distance(disc.centre, wanted - disc.velocity, SETTINGS.horizon) < reach
+    assert smallest_distance(disc.centre, relative, settings.horizon) >= reach - 1e-6
+    assert smallest_distance(disc.centre, wanted - disc.velocity, settings.horizon) < reach
 
 
 def test_robot_turns_away_from_a_mover_that_comes_from_one_side() -> None:
