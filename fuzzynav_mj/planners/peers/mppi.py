@@ -50,7 +50,7 @@ class MppiSettings:
     """
 
     samples: int = 500
-    periods: int = 18
+    periods: int = 36
     sigma_v: float = 0.15
     sigma_omega: float = 1.0
     keeping: float = 0.7
@@ -59,7 +59,7 @@ class MppiSettings:
     goal_at_end: float = 5.0
     static_gap: float = 0.05
     static_weight: float = 5.0
-    moving_gap: float = 0.10
+    moving_gap: float = 0.15
     moving_gap_growth: float = 0.10
     moving_weight: float = 5.0
     contact_gap: float = 0.015

@@ -118,7 +118,7 @@ def test_one_temperature_dearer_counts_less_by_a_factor_of_e() -> None:
 
 
 def test_way_left_over_is_what_a_free_drive_costs() -> None:
-    """At 0.5 m/s: 5 cm a period, 0.9 m in 18."""
+    """At 0.5 m/s: 5 cm a period."""
     paid = cost(held(0.5))
     left_over = 5.0 - 0.05 * np.arange(1, T + 1)
     wanted = SETTINGS.goal * left_over.mean() + SETTINGS.goal_at_end * left_over[-1]
