@@ -26,7 +26,7 @@ CLEAR = 1.0  # the other four inputs: nothing in range
 LEVELS = (0.0, *np.arange(5.0, RISK_MAX, 10.0), RISK_MAX)
 """Between whole tens: the centroid of Normal is exactly 50, and a contour there would be noise."""
 
-LABELLED = (15.0, 35.0, 55.0, 85.0)
+LABELLED = {15.0: "white", 35.0: "white", 55.0: "black", 85.0: "black"}  # on dark, on light
 LINES = [(BLUE, "-"), (VERMILLION, "--"), (GREEN, "-."), (ORANGE, ":"), (BLACK, (0, (1, 1, 5, 1)))]
 
 
@@ -101,7 +101,12 @@ def _surfaces(gate: RiskGate) -> Figure:
             distances, risks = surface(gate, first, second)
             filled = axes.contourf(distances, distances, risks, levels=LEVELS, cmap="cividis")
             thin = axes.contour(
-                distances, distances, risks, levels=LABELLED, colors="black", linewidths=0.4
+                distances,
+                distances,
+                risks,
+                levels=list(LABELLED),
+                linewidths=0.5,
+                colors=list(LABELLED.values()),
             )
             axes.clabel(thin, fmt="%g", fontsize=6.5)
             if risks.min() < gate.limit < risks.max():

@@ -128,7 +128,10 @@ def fill_style(needs: Requirements | None) -> FillStyle:
 
 def new_figure(width: float, height: float) -> Figure:
     """An empty figure of `width` by `height` inches that keeps labels from overlapping."""
-    return Figure(figsize=(width, height), layout="constrained")
+    figure = Figure(figsize=(width, height), dpi=DPI, layout="constrained")
+    # Text is a little wider in one kind of file than in the other; the pads leave it room.
+    figure.get_layout_engine().set(w_pad=0.10, h_pad=0.06)
+    return figure
 
 
 def look() -> AbstractContextManager[None]:
