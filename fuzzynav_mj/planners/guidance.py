@@ -24,6 +24,7 @@ from fuzzynav_mj.planners.sight import (
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
 BOUNDARY_LOST = 0.1  # m beyond sight
+BOUNDARY_GAP = 0.3  # m: parts farther from each other are different boundaries
 SAME_WAY = 0.87  # cosine of the largest angle between bearings of what is still the same way
 
 
@@ -80,6 +81,12 @@ class Following:
     farthest: float = 0.0
     direction: tuple[float, float] = (0.0, 0.0)
 
+    def begin_anew(self, place: tuple[float, float], distance: float) -> None:
+        """Forgets what belongs to another boundary; `distance` to the goal, m."""
+        self.start = place
+        self.nearest = self.reached = distance
+        self.length = self.farthest = 0.0
+
 
 @dataclass(frozen=True, slots=True)
 class Heading:
@@ -121,8 +128,14 @@ class Guidance:
         self._last: tuple[float, float] | None = None
         self._bearing: float | None = None  # of the way taken last while seeking the goal
 
-    def head(self, place: tuple[float, float], sight: Sight) -> Heading:
-        """The subgoal at `place` (x, y) with what is in sight."""
+    def head(self, place: tuple[float, float], sight: Sight, among_movers: bool = False) -> Heading:
+        """The subgoal at `place` (x, y) with what is in sight.
+
+        Args:
+            place: of the robot, world frame, m.
+            sight: what stands around it.
+            among_movers: whether movers may have driven it from the boundary that it follows.
+        """
         last = self._last or place
         step = (place[0] - last[0], place[1] - last[1])
         self._last = place
@@ -160,12 +173,17 @@ class Guidance:
             following.length += gone
             following.reached = min(following.reached, distance)
             gaining = ways.open & (left_over < self._to_beat(following) - self._settings.gain)
+            if sight.hidden is not None:
+                gaining &= ~sight.hidden  # what a mover hides is no reason to leave
             if gaining.any():
                 self._following = None
                 best = int(np.where(gaining, cost, np.inf).argmin())
                 return self._heading(place, ways.first_point(best), "goal")
             self._watch_loop(place, gone, following)
+            edge = following.edge
             chosen = self._along(place, sight, ways, following)
+            if among_movers and not _same_boundary(place, sight, edge, following.edge):
+                following.begin_anew(place, distance)
         bearing = float(sight.bearings[chosen])
         following.direction = (cos(bearing), sin(bearing))
         return self._heading(place, ways.first_point(chosen), "boundary")
@@ -350,6 +368,20 @@ def _connected(points: FloatArray, near: FloatArray, gap: float) -> FloatArray:
     own = group[int((offset[:, 0] ** 2 + offset[:, 1] ** 2).argmin())]
     part: FloatArray = points[group == own]
     return part
+
+
+def _same_boundary(
+    place: tuple[float, float],
+    sight: Sight,
+    one: tuple[float, float],
+    other: tuple[float, float],
+) -> bool:
+    """True if the two points of boundaries hang together as far as can be seen."""
+    if len(sight.points) == 0:
+        return True
+    part = _connected(sight.points, np.array(one) - np.array(place), BOUNDARY_GAP)
+    offset = part - (np.array(other) - np.array(place))
+    return bool(np.hypot(offset[:, 0], offset[:, 1]).min() < BOUNDARY_GAP)
 
 
 def _ray(bearing: float, sight: Sight) -> int:

@@ -6,7 +6,7 @@ the gate judges the chosen next position and may have the alternative of lowest 
 """
 
 from dataclasses import dataclass, replace
-from math import atan2, cos, hypot, pi, sin
+from math import atan2, cos, hypot, inf, pi, sin
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -37,6 +37,7 @@ EVASION_BONUS = 1.5  # periods
 SAME_EVASION = 0.8  # cosine of the largest angle between directions of one evasion
 SAME_COURSE = 0.94  # cosine of an angle between directions of travel, and ...
 SAME_SPEED = 0.15  # m/s: ... a difference in speed, that are not put down to movers
+DRIVEN_OFF = 3.0  # s: for so long a mover that was in sight may have driven the robot off
 STANDING = 0.03  # m or rad: a candidate that changes its pose by no more stands still
 
 
@@ -59,6 +60,7 @@ class MultilayerPlanner:
         self._guidance = Guidance(problem.goal, problem.goal_tolerance)
         self._travel: float | None = None
         self._evading = False
+        self._mover_seen = -inf
         self._anchor: tuple[float, float, float] | None = None
 
     def decide(self, observation: Observation) -> Decision:
@@ -66,7 +68,10 @@ class MultilayerPlanner:
         pose, perception = observation.pose, observation.perception
         assert perception is not None
         around = surroundings(perception, pose, self._spec)
-        heading = self._guidance.head((pose.x, pose.y), around.sight)
+        if perception.anything_moves:
+            self._mover_seen = observation.stamp
+        among_movers = observation.stamp - self._mover_seen < DRIVEN_OFF
+        heading = self._guidance.head((pose.x, pose.y), around.sight, among_movers)
         dock = docking(self._problem, pose) if heading.direct else None
         subgoal = heading.subgoal if dock is None else dock.target
         target = _in_robot_frame(subgoal, pose)

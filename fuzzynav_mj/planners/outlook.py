@@ -78,7 +78,6 @@ def look_ahead(
         times, settings.moving_gap_time
     )
     wanted = settings.moving_margin + settings.moving_margin_growth * times
-    checked = slice(settings.checked_periods)
     free = np.logical_and.accumulate(expected >= settings.contact_gap, axis=1)
     return Outlook(
         poses=poses,
@@ -88,7 +87,7 @@ def look_ahead(
         static_ok=static_ok,
         contact_step=np.add.reduce(free, axis=1, dtype=np.intp),
         soon=gaps[:, :SOON].min(axis=1),
-        admissible=static_ok & (moving >= wanted)[:, checked].all(axis=1),
+        admissible=static_ok & (moving >= wanted).all(axis=1),
     )
 
 

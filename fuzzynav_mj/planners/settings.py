@@ -26,7 +26,6 @@ class DecisionSettings:
         passing_time: cost of a way past movers per metre that could be driven in the time it takes,
         passing_length: ... per metre driven on it, and ...
         passing_weight: ... per step and metre missing of the movers' berth on it.
-        checked_periods: for so long a candidate must stay clear of movers.
         progress_steps: decision periods after which the progress counts.
         stuck_time: time without leaving a circle of `stuck_radius` after which the robot gives up.
         stuck_radius: its radius.
@@ -50,7 +49,6 @@ class DecisionSettings:
     passing_time: float = 1.0
     passing_length: float = 0.5
     passing_weight: float = 1.0
-    checked_periods: int = 10
     progress_steps: int = 8
     stuck_time: float = 45.0
     stuck_radius: float = 0.3

@@ -23,12 +23,14 @@ class Sight:
         bearings: (n,) directions of the rays, rad, world frame.
         ranges: (n,) m to the first standing obstacle; the sensor's range where there is none.
         max_range: m.
+        hidden: (n,) True for rays that a mover stops; None where there is none.
     """
 
     points: FloatArray
     bearings: FloatArray
     ranges: FloatArray
     max_range: float
+    hidden: BoolArray | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

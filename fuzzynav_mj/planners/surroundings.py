@@ -1,7 +1,7 @@
 """What a perception means for the roll-outs: what stands, and where what moves will be."""
 
 from dataclasses import dataclass
-from math import pi
+from math import hypot, pi
 
 import numpy as np
 
@@ -10,8 +10,9 @@ from fuzzynav_mj.planners.passing import OUTLOOK
 from fuzzynav_mj.planners.prediction import displacements
 from fuzzynav_mj.planners.sight import Sight, thin
 from fuzzynav_mj.robot import RobotSpec
-from fuzzynav_mj.types import FloatArray, PerceivedObstacle, Perception, Pose2D
+from fuzzynav_mj.types import BoolArray, FloatArray, PerceivedObstacle, Perception, Pose2D
 
+LONGEST_HIDDEN = 1.0  # m of an outline that is thought to go on behind a mover
 MOVER_SPACING = 0.10  # as `sight.SPACING`, for movers: their margins are wider
 
 
@@ -20,7 +21,8 @@ class Surroundings:
     """Robot-centred, axes parallel to the world's.
 
     Attributes:
-        sight: what stands. Rays that a mover stops count as free: it will go away.
+        sight: what stands. Rays that a mover stops count as free, or as the outline that goes on
+            behind it: it will go away.
         expected: (OUTLOOK, 2, k) where points of what moves will be at the end of each period, as
             far as its motion can be foreseen ...
         possible: (HORIZON, 2, j) ... and where else they may be.
@@ -39,14 +41,15 @@ def surroundings(perception: Perception, pose: Pose2D, spec: RobotSpec) -> Surro
     points = thin(np.concatenate(standing) - here) if standing else np.empty((0, 2))
     scan = perception.scan
     bearings = scan.bearings + pose.yaw
-    ranges = _seen_through(scan.ranges, bearings, movers, here, scan.max_range)
+    ranges, hidden, behind = _seen_through(scan.ranges, bearings, movers, here, scan.max_range)
+    points = np.concatenate((points, thin(behind)))
     expected, possible = [], []
     for mover in movers:
         points_now = thin(mover.points - here, MOVER_SPACING).T[None]
         first, *others = displacements(mover, here, period_ends(spec, OUTLOOK))
         expected.append(points_now + first[:, :, None])
         possible += [points_now + way[:HORIZON, :, None] for way in others]
-    sight = Sight(points, bearings, ranges, scan.max_range)
+    sight = Sight(points, bearings, ranges, scan.max_range, hidden)
     return Surroundings(sight, _joined(expected, OUTLOOK), _joined(possible, HORIZON))
 
 
@@ -65,12 +68,39 @@ def _seen_through(
     movers: list[PerceivedObstacle],
     here: FloatArray,
     max_range: float,
-) -> FloatArray:
+) -> tuple[FloatArray, BoolArray, FloatArray]:
+    """(n,) ranges without the movers, (n,) which of them a mover hides, and (k, 2) points that are
+    thought to stand behind movers: an outline seen on both sides of one goes on behind it."""
+    count = len(bearings)
+    hidden = np.zeros(count, dtype=bool)
     if not movers:
-        return ranges
-    free = ranges.copy()
+        return ranges, hidden, np.empty((0, 2))
     offset = np.concatenate([mover.points for mover in movers]) - here
     angle = np.arctan2(offset[:, 1], offset[:, 0]) - bearings[0]
-    rays = np.rint(angle * (len(bearings) / (2 * pi))).astype(int) % len(bearings)
-    free[rays] = max_range
-    return free
+    hidden[np.rint(angle * (count / (2 * pi))).astype(int) % count] = True
+    free = np.where(hidden, max_range, ranges)
+    behind = []
+    for first in np.flatnonzero(hidden & ~np.roll(hidden, 1)).tolist():
+        ahead = (first + np.arange(count)) % count
+        length = int((~hidden[ahead]).argmax())
+        sides = np.array([first - 1, (first + length) % count])
+        if length == 0 or ranges[sides].max() >= max_range:
+            continue
+        start, end = ranges[sides, None] * _unit(bearings[sides])
+        if hypot(*(end - start).tolist()) > LONGEST_HIDDEN:
+            continue
+        along = end - start
+        unit = _unit(bearings[ahead[:length]])
+        reach = (start[0] * along[1] - start[1] * along[0]) / (
+            unit[:, 0] * along[1] - unit[:, 1] * along[0]
+        )
+        farther = (reach > ranges[ahead[:length]]) & (reach < max_range)
+        rays = ahead[:length][farther]
+        free[rays] = reach[farther]
+        behind.append(unit[farther] * reach[farther, None])
+    return free, hidden, np.concatenate(behind) if behind else np.empty((0, 2))
+
+
+def _unit(bearings: FloatArray) -> FloatArray:
+    unit: FloatArray = np.stack((np.cos(bearings), np.sin(bearings)), axis=1)
+    return unit
