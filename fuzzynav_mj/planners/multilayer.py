@@ -92,8 +92,10 @@ class MultilayerPlanner:
         self._travel = float(motions.direction[chosen]) + pose.yaw
         self._evading = not outlook.admissible[chosen]
         v, omega = motions.speeds[chosen].tolist()
+        next_position = position_after(v, omega, pose, observation.twist, self._spec)
+        candidates.positions[chosen] = next_position  # to the last digit
         return Decision(
-            next_position=position_after(v, omega, pose, observation.twist, self._spec),
+            next_position=next_position,
             behaviour=_behaviour(chosen, motions, outlook, alone, heading, dock, perception),
             inputs=verdict.inputs,
             risk=float(verdict.risks[chosen]),
@@ -130,7 +132,9 @@ class MultilayerPlanner:
             other += settings.change_cost * turn
         if dock is not None and dock.turn_to is not None:
             other += ~motions.on_the_spot
-        alone = np.sqrt(away.min(axis=1)) + other
+        # Nearer than this no way is better than another: the fastest is taken.
+        near_enough = 0.0 if dock is not None else self._problem.goal_tolerance / 2
+        alone = np.maximum(np.sqrt(away.min(axis=1)), near_enough) + other
         if passing is None:
             # Waiting is for movers: among what stands it would last for ever.
             goes = np.abs(outlook.poses[:, -1]).max(axis=1) > STANDING

@@ -142,7 +142,8 @@ def test_gate_judges_the_next_position_not_the_present_one() -> None:
     assert decision.inputs == inputs
     x, y = decision.next_position
     offset = np.array([(0.6 - x, dy - y) for dy in np.linspace(-0.1, 0.1, 9)])
-    assert abs(inputs.FS - np.hypot(*offset.T).min()) < 1e-6
+    # Judged on the roll-out, which knows speeds at half periods only.
+    assert abs(inputs.FS - np.hypot(*offset.T).min()) < 2e-3
     assert inputs.FS < 0.59
     assert (inputs.LS, inputs.RS, inputs.LD, inputs.FD, inputs.RD) == (1.0,) * 5
 
