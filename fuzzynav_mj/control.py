@@ -7,11 +7,11 @@ so what a planner rolls out is what the wheels are told.
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
 from math import copysign, cos, hypot, sin, sqrt
 
 import numpy as np
 
+from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.types import FloatArray, Pose2D, Twist2D, WheelSpeeds
 
@@ -41,6 +41,7 @@ class SpeedProfile:
         return Twist2D(float(self.v[-1]), float(self.omega[-1]))
 
 
+@compiled
 def final_speed(mean: float, start: float, reach: float) -> float:
     """Speed that a ramp of limited slope must end at to have the given mean over a period.
 
@@ -48,60 +49,45 @@ def final_speed(mean: float, start: float, reach: float) -> float:
     period; a mean that cannot be had gives the nearest ramp.
     """
     missing = mean - start
-    if abs(missing) >= reach / 2:
-        change = reach
-    else:
+    change = reach
+    if abs(missing) < reach / 2:
         change = reach * (1.0 - sqrt(1.0 - 2.0 * abs(missing) / reach))
     return start + (change if missing >= 0 else -change)
 
 
+@compiled
 def ramp(start: float, end: float, slope: float, period: float, steps: int) -> FloatArray:
     """(steps,) speeds that lead from `start` to `end` with the given slope (per second)."""
     span = min(abs(end - start), slope * period)
-    change = np.minimum(_steepest(slope, period, steps), span)
-    speeds: FloatArray = start + change if end >= start else start - change
+    direction = 1.0 if end >= start else -1.0
+    speeds = np.empty(steps)
+    for k in range(steps):
+        speeds[k] = start + direction * min(slope * ((k + 1) * (period / steps)), span)
     return speeds
-
-
-@lru_cache(maxsize=8)
-def _steepest(slope: float, period: float, steps: int) -> FloatArray:
-    """(steps,) change of speed since the period's start at the given slope, after each step."""
-    change: FloatArray = slope * (np.arange(1, steps + 1, dtype=np.float64) * (period / steps))
-    return change
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Turning:
-    """What a period's yaw rates do to the centre, whatever the forward speeds.
-
-    Attributes:
-        cos: (k,) of the yaw half-way through each physics step.
-        sin: (k,) the same.
-        aside: (x, y) sum of the speeds that the turning alone gives the centre, world frame, m/s.
-    """
-
-    cos: FloatArray
-    sin: FloatArray
-    aside: tuple[float, float]
-
-
-def _turning(yaw: float, omega: FloatArray, spec: RobotSpec) -> _Turning:
-    dt = spec.physics_period
-    turned = yaw + omega.cumsum() * dt - omega * (dt / 2)
-    c, s = np.cos(turned), np.sin(turned)
-    side = spec.axle_offset * omega
-    return _Turning(c, s, (s.dot(side), c.dot(side)))
-
-
-def _displacement(turning: _Turning, v: FloatArray, spec: RobotSpec) -> tuple[float, float]:
-    dt = spec.physics_period
-    x, y = turning.cos.dot(v) - turning.aside[0], turning.sin.dot(v) + turning.aside[1]
-    return float(x) * dt, float(y) * dt
 
 
 def centre_displacement(yaw: float, profile: SpeedProfile, spec: RobotSpec) -> tuple[float, float]:
     """World-frame displacement of the footprint's centre over one period of the profile."""
-    return _displacement(_turning(yaw, profile.omega, spec), profile.v, spec)
+    return _displacement(
+        float(yaw), profile.v, profile.omega, spec.physics_period, spec.axle_offset
+    )
+
+
+@compiled
+def _displacement(
+    yaw: float, v: FloatArray, omega: FloatArray, dt: float, axle_offset: float
+) -> tuple[float, float]:
+    """World-frame displacement of the centre, m, for speeds (k,) held for `dt` each, with the yaw
+    taken half-way through each step."""
+    x = y = turned = 0.0
+    for k in range(len(v)):
+        turned += omega[k]
+        middle = yaw + turned * dt - omega[k] * (dt / 2)
+        c, s = cos(middle), sin(middle)
+        side = axle_offset * omega[k]
+        x += c * v[k] - s * side
+        y += s * v[k] + c * side
+    return x * dt, y * dt
 
 
 def drive_towards(
@@ -117,82 +103,112 @@ def drive_towards(
         twist: speeds commanded at the end of the last period.
         spec: the robot's limits.
     """
-    dx, dy = next_position[0] - pose.x, next_position[1] - pose.y
-    profile, miss = _ramps_towards((dx, dy), pose.yaw, twist, spec)
+    speeds = _speeds_towards(
+        float(next_position[0] - pose.x),
+        float(next_position[1] - pose.y),
+        float(pose.yaw),
+        float(twist.v),
+        float(twist.omega),
+        spec.max_speed,
+        spec.max_acceleration,
+        spec.max_yaw_rate,
+        spec.max_yaw_acceleration,
+        spec.decision_period,
+        spec.substeps,
+        spec.axle_offset,
+    )
+    return SpeedProfile(speeds[0], speeds[1])
+
+
+@compiled
+def _speeds_towards(
+    dx: float,
+    dy: float,
+    yaw: float,
+    v: float,
+    omega: float,
+    max_speed: float,
+    max_acceleration: float,
+    max_yaw_rate: float,
+    max_yaw_acceleration: float,
+    period: float,
+    steps: int,
+    axle_offset: float,
+) -> FloatArray:
+    """(2, steps) forward speeds and yaw rates for a displacement of the centre (world frame, m)
+    from the present yaw and speeds, within the limits."""
+    limits = (max_speed, max_acceleration, max_yaw_rate, max_yaw_acceleration)
+    speeds, miss = _ramps_towards(dx, dy, yaw, v, omega, limits, period, steps, axle_offset)
     if miss <= REACHED:
-        return profile
-    forward = dx * cos(pose.yaw) + dy * sin(pose.yaw)
-    left = dy * cos(pose.yaw) - dx * sin(pose.yaw)
-    largest_forward = spec.max_speed * spec.decision_period
-    largest_left = spec.axle_offset * spec.max_yaw_rate * spec.decision_period
+        return speeds
+    forward = dx * cos(yaw) + dy * sin(yaw)
+    left = dy * cos(yaw) - dx * sin(yaw)
+    largest_forward = max_speed * period
+    largest_left = axle_offset * max_yaw_rate * period
     scale = max(abs(forward) / largest_forward, abs(left) / largest_left, 1.0)
-    return _ramps_towards((dx / scale, dy / scale), pose.yaw, twist, spec)[0]
+    dx, dy = dx / scale, dy / scale
+    return _ramps_towards(dx, dy, yaw, v, omega, limits, period, steps, axle_offset)[0]
 
 
+@compiled
 def _ramps_towards(
-    target: tuple[float, float], yaw: float, twist: Twist2D, spec: RobotSpec
-) -> tuple[SpeedProfile, float]:
-    """Ramps for a displacement of the centre (world frame, m), and by how much they miss it, m."""
-    period = spec.decision_period
-    reach_v = spec.max_acceleration * period
-    reach_omega = spec.max_yaw_acceleration * period
-
-    def within_limits(v: float, omega: float) -> tuple[float, float]:
-        v = min(max(v, twist.v - reach_v, -spec.max_speed), twist.v + reach_v, spec.max_speed)
-        lowest, highest = twist.omega - reach_omega, twist.omega + reach_omega
-        return v, min(max(omega, lowest, -spec.max_yaw_rate), highest, spec.max_yaw_rate)
-
-    def speeds(v: float) -> FloatArray:
-        return ramp(twist.v, v, spec.max_acceleration, period, spec.substeps)
-
-    def rates(omega: float) -> FloatArray:
-        return ramp(twist.omega, omega, spec.max_yaw_acceleration, period, spec.substeps)
-
-    def error(turning: _Turning, v: FloatArray) -> tuple[float, float]:
-        moved = _displacement(turning, v, spec)
-        return moved[0] - target[0], moved[1] - target[1]
-
-    turned = 0.0
+    dx: float,
+    dy: float,
+    yaw: float,
+    v_now: float,
+    omega_now: float,
+    limits: tuple[float, float, float, float],
+    period: float,
+    steps: int,
+    axle_offset: float,
+) -> tuple[FloatArray, float]:
+    """(2, steps) ramps for a displacement of the centre, and by how much they miss it, m."""
+    max_speed, max_acceleration, max_yaw_rate, max_yaw_acceleration = limits
+    dt = period / steps
+    reach_v, reach_omega = max_acceleration * period, max_yaw_acceleration * period
+    lowest_v, highest_v = max(v_now - reach_v, -max_speed), min(v_now + reach_v, max_speed)
+    lowest = max(omega_now - reach_omega, -max_yaw_rate)
+    highest = min(omega_now + reach_omega, max_yaw_rate)
+    best = np.empty((2, steps))
+    v, omega, turned = v_now, omega_now, 0.0
     for _ in range(_TURN_PASSES):
         c, s = cos(yaw + turned), sin(yaw + turned)
-        forward, left = target[0] * c + target[1] * s, target[1] * c - target[0] * s
-        v, omega = within_limits(
-            final_speed(forward / period, twist.v, reach_v),
-            final_speed(left / (period * spec.axle_offset), twist.omega, reach_omega),
-        )
-        omegas = rates(omega)
-        turned = _mean_turn(omegas, spec)
-    profile = SpeedProfile(speeds(v), omegas)
-    turning = _turning(yaw, omegas, spec)
-    ex, ey = error(turning, profile.v)
-    best, best_miss = profile, hypot(ex, ey)
+        forward, left = dx * c + dy * s, dy * c - dx * s
+        v = final_speed(forward / period, v_now, reach_v)
+        v = min(max(v, lowest_v), highest_v)
+        omega = final_speed(left / (period * axle_offset), omega_now, reach_omega)
+        omega = min(max(omega, lowest), highest)
+        best[1] = ramp(omega_now, omega, max_yaw_acceleration, period, steps)
+        turned = best[1].cumsum().sum() / steps * dt  # the period's mean of the angle turned
+    best[0] = ramp(v_now, v, max_acceleration, period, steps)
+    x, y = _displacement(yaw, best[0], best[1], dt, axle_offset)
+    ex, ey = x - dx, y - dy
+    best_miss = hypot(ex, ey)
+    speeds, rates = best[0].copy(), best[1].copy()
     for _ in range(_NEWTON_STEPS):
         # A miss that is not small is no matter of precision: the target is out of reach, and
         # pursuing it would only turn the motion away from its direction.
         if not _EXACT < hypot(ex, ey) < _WITHIN_REACH:
             break
-        dv, dw = copysign(_PROBE, twist.v - v), copysign(_PROBE, twist.omega - omega)  # inwards
-        ahead = error(turning, speeds(v + dv))
-        aside = error(_turning(yaw, rates(omega + dw), spec), profile.v)
-        xv, yv = (ahead[0] - ex) / dv, (ahead[1] - ey) / dv
-        xw, yw = (aside[0] - ex) / dw, (aside[1] - ey) / dw
+        dv, dw = copysign(_PROBE, v_now - v), copysign(_PROBE, omega_now - omega)  # inwards
+        faster = ramp(v_now, v + dv, max_acceleration, period, steps)
+        x, y = _displacement(yaw, faster, rates, dt, axle_offset)
+        xv, yv = (x - dx - ex) / dv, (y - dy - ey) / dv
+        sharper = ramp(omega_now, omega + dw, max_yaw_acceleration, period, steps)
+        x, y = _displacement(yaw, speeds, sharper, dt, axle_offset)
+        xw, yw = (x - dx - ex) / dw, (y - dy - ey) / dw
         determinant = xv * yw - xw * yv
         if determinant == 0.0:
             break
-        v, omega = within_limits(
-            v - (yw * ex - xw * ey) / determinant, omega - (xv * ey - yv * ex) / determinant
-        )
-        profile = SpeedProfile(speeds(v), rates(omega))
-        turning = _turning(yaw, profile.omega, spec)
-        ex, ey = error(turning, profile.v)
+        v = min(max(v - (yw * ex - xw * ey) / determinant, lowest_v), highest_v)
+        omega = min(max(omega - (xv * ey - yv * ex) / determinant, lowest), highest)
+        speeds = ramp(v_now, v, max_acceleration, period, steps)
+        rates = ramp(omega_now, omega, max_yaw_acceleration, period, steps)
+        x, y = _displacement(yaw, speeds, rates, dt, axle_offset)
+        ex, ey = x - dx, y - dy
         if hypot(ex, ey) < best_miss:
-            best, best_miss = profile, hypot(ex, ey)
+            best[0], best[1], best_miss = speeds, rates, hypot(ex, ey)
     return best, best_miss
-
-
-def _mean_turn(omega: FloatArray, spec: RobotSpec) -> float:
-    """Mean over the period of the angle turned since its start, rad."""
-    return float(omega.cumsum().sum()) / len(omega) * spec.physics_period
 
 
 def wheel_speeds(v: float, omega: float, spec: RobotSpec) -> WheelSpeeds:
