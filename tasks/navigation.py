@@ -10,6 +10,7 @@ from dm_control import composer, mjcf
 from dm_control.composer.observation import observable
 from dm_env import specs
 
+from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.control import SpeedProfile, drive_towards, wheel_speeds, wheel_table
 from fuzzynav_mj.episode import BlockTruth
 from fuzzynav_mj.errors import FuzzyNavError
@@ -20,7 +21,16 @@ from fuzzynav_mj.scenarios.world import World, make_world
 from fuzzynav_mj.sensing.lidar import Lidar
 from fuzzynav_mj.tasks.arena import NavigationArena
 from fuzzynav_mj.tasks.robot import DiffDrive
-from fuzzynav_mj.types import Contact, FloatArray, LaserScan, Outcome, Pose2D, Twist2D, WheelSpeeds
+from fuzzynav_mj.types import (
+    Contact,
+    FloatArray,
+    IntArray,
+    LaserScan,
+    Outcome,
+    Pose2D,
+    Twist2D,
+    WheelSpeeds,
+)
 
 AT_FAULT_SPEED = 0.02  # m/s: slower than this the robot stood still when it was touched
 GOAL_YAW_TOLERANCE = 0.1  # rad
@@ -249,7 +259,17 @@ class NavigateToGoal(composer.Task):
         # Warnings tell of numbers that are too large, not only of those that are not finite.
         self._diverged = bool(data.warning.number[_DIVERGENCE].any())
         self._scan = None
-        return self._block_truth(places[:taken], speeds[:taken], movers[:taken])
+        spec = self.spec
+        poses, rates, slip = _truth(
+            places[:taken],
+            speeds[:taken],
+            self._speed_slice.start,
+            self._wheel_dofs,
+            spec.track,
+            spec.wheel_radius,
+            spec.axle_offset,
+        )
+        return BlockTruth(poses, movers[:taken], rates, slip)
 
     def _mover_rows(self, first: int, count: int) -> FloatArray:
         """(count, movers, 2) mover positions at physics steps first, first + 1, ..."""
@@ -261,22 +281,6 @@ class NavigateToGoal(composer.Task):
             self._table = np.stack(rows, axis=1) if rows else np.empty((len(times), 0, 2))
             self._table_start, offset = first, 0
         return self._table[offset : offset + count]
-
-    def _block_truth(
-        self, places: FloatArray, speeds: FloatArray, movers: FloatArray
-    ) -> BlockTruth:
-        yaw = 2.0 * np.arctan2(places[:, 6], places[:, 3])
-        x, y, turning = (speeds[:, self._speed_slice.start + k] for k in (0, 1, 5))
-        c, s = np.cos(yaw), np.sin(yaw)
-        forward = x * c + y * s
-        aside = y * c - x * s - self.spec.axle_offset * turning
-        rates = speeds[:, self._wheel_dofs]
-        half, rolled = turning * (self.spec.track / 2), rates * self.spec.wheel_radius
-        left, right = forward - half - rolled[:, 0], forward + half - rolled[:, 1]
-        slip = np.hypot(np.maximum(np.abs(left), np.abs(right)), aside)
-        poses = np.empty((len(places), 3))
-        poses[:, :2], poses[:, 2] = places[:, :2], wrap_angle(yaw)
-        return BlockTruth(poses, movers, rates, slip)
 
     def _read_contact(self) -> Contact:
         data = self._data
@@ -391,3 +395,39 @@ class NavigateToGoal(composer.Task):
     def _twist_vector(self) -> FloatArray:
         twist = self.twist
         return np.array([twist.v, twist.omega])
+
+
+@compiled
+def _truth(
+    places: FloatArray,
+    speeds: FloatArray,
+    chassis: int,
+    wheels: IntArray,
+    track: float,
+    wheel_radius: float,
+    axle_offset: float,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """(k, 3) poses, (k, 2) wheel speeds and (k,) slip of a `BlockTruth`.
+
+    Args:
+        places: (k, 7) positions and quaternions of the chassis.
+        speeds: (k, nv) of all degrees of freedom.
+        chassis: number of the first of the chassis's.
+        wheels: (2,) numbers of the left and the right wheel's.
+        track, wheel_radius, axle_offset: of the robot, m.
+    """
+    count = len(places)
+    poses, rates, slip = np.empty((count, 3)), np.empty((count, 2)), np.empty(count)
+    for k in range(count):
+        yaw = 2.0 * atan2(places[k, 6], places[k, 3])
+        c, s = cos(yaw), sin(yaw)
+        x, y, turning = speeds[k, chassis], speeds[k, chassis + 1], speeds[k, chassis + 5]
+        forward = x * c + y * s
+        aside = y * c - x * s - axle_offset * turning
+        rates[k, 0], rates[k, 1] = speeds[k, wheels[0]], speeds[k, wheels[1]]
+        left = abs(forward - turning * (track / 2) - rates[k, 0] * wheel_radius)
+        right = abs(forward + turning * (track / 2) - rates[k, 1] * wheel_radius)
+        slip[k] = hypot(max(left, right), aside)
+        poses[k, 0], poses[k, 1] = places[k, 0], places[k, 1]
+        poses[k, 2] = (yaw + pi) % (2 * pi) - pi
+    return poses, rates, slip
