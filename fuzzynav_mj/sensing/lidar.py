@@ -1,8 +1,9 @@
-"""The range sensor: the only module that casts rays."""
+"""The range sensor: a ring of rays among the obstacles of the model."""
 
 import mujoco
 import numpy as np
 
+from fuzzynav_mj.sensing.ground_plan import ground_plan
 from fuzzynav_mj.types import BoolArray, FloatArray, LaserScan
 
 OBSTACLE_GROUP = 0  # the geom group of obstacles and walls in `models/arenas/room.xml`
@@ -48,9 +49,19 @@ class Lidar:
         )
         self._geom_ids = np.empty(ray_count, dtype=np.int32)
         self._distances = np.empty(ray_count)
+        self._plan = ground_plan(model, OBSTACLE_GROUP, self._body)
 
     def scan(self, data: mujoco.MjData) -> LaserScan:
         """One look. The data's kinematics must be up to date."""
+        if self._plan is not None:
+            ranges = self._plan.ranges(data, self._site, self._directions[:2], self._max_range)
+            if ranges is not None:
+                stamp, hit = float(data.time), ranges < self._max_range
+                return LaserScan(stamp, self.bearings, ranges, hit, self._max_range)
+        return self._cast(data)
+
+    def _cast(self, data: mujoco.MjData) -> LaserScan:
+        """One look by MuJoCo's own rays, whatever the obstacles are."""
         rotation = data.site_xmat[self._site].reshape(3, 3)
         rays = np.ascontiguousarray((rotation @ self._directions).T).ravel()
         mujoco.mj_multiRay(
