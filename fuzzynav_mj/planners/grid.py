@@ -2,64 +2,48 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
+from math import hypot
 
 import numpy as np
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import dijkstra
 
+from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.types import FloatArray, IntArray
 
 CELL = 0.05  # m
+MOVES = ((1, 0), (0, 1), (1, 1), (1, -1), (2, 1), (1, 2), (2, -1), (1, -2))  # and back
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Grid:
-    """Cells around the robot and the edges between neighbours.
+    """A square of n x n cells around the robot, row by row.
 
     Attributes:
+        axis: (n,) coordinate of the cells in one row, m.
         x, y: (cells,) m.
         bearing, distance: (cells,) of each from the robot's own cell, rad and m.
         origin: the robot's own cell.
-        rim: the cells at the edge of sight.
-        first: (cells + 1,) each cell's first edge; its last is the one before the next cell's.
-        head: (edges,) the cell that each edge leads to.
-        step: (edges,) length of each edge, m.
+        moves: (k, 2) rows and columns between neighbours.
+        steps: (k,) length of each move, m.
     """
 
+    axis: FloatArray
     x: FloatArray
     y: FloatArray
     bearing: FloatArray
     distance: FloatArray
     origin: int
-    rim: IntArray
-    first: IntArray
-    head: IntArray
-    step: FloatArray
-
-    def nearest(self, points: FloatArray) -> FloatArray:
-        """(cells,) distance to the nearest of the points (k, 2), m."""
-        if len(points) == 0:
-            return np.full(len(self.x), np.inf)
-        cells = np.array((self.x, self.y), dtype=np.float32)
-        spots = points.astype(np.float32)
-        squared = (cells[0] ** 2 + cells[1] ** 2) + (spots[:, :1] ** 2 + spots[:, 1:] ** 2)
-        squared -= (2.0 * spots) @ cells
-        nearest: FloatArray = squared.min(axis=0).astype(np.float64)
-        return np.sqrt(np.maximum(nearest, 0.0))
+    moves: IntArray
+    steps: FloatArray
 
     def cheapest(self, toll: FloatArray) -> tuple[FloatArray, IntArray]:
         """(cells,) cost of the cheapest way from the robot to each cell, and the cell before it.
 
+        Where no way leads the cost is inf and the cell before -1.
+
         Args:
-            toll: (cells,) cost per metre of stepping onto each cell; inf where none may.
+            toll: (cells,) cost per metre of stepping onto each cell, inf where none may.
         """
-        cost = self.step * toll.take(self.head)
-        graph = csr_matrix((cost, self.head, self.first), shape=(len(self.x),) * 2)
-        # Any finite limit keeps the search from steps of infinite cost.
-        reached: tuple[FloatArray, IntArray] = dijkstra(
-            graph, indices=self.origin, return_predecessors=True, limit=1e9
-        )
-        return reached
+        return _cheapest(toll, self.moves, self.steps)
 
     def chain(self, before: IntArray, cell: int) -> list[int]:
         """The cells of the way to `cell`, from there back to the robot's own, without that."""
@@ -71,46 +55,68 @@ class Grid:
 
     def lengths(self, before: IntArray, cells: IntArray) -> FloatArray:
         """(n,) lengths of the ways to the reached `cells` (n,), m."""
-        there = np.where(before < 0, self.origin, before)
-        step = np.hypot(self.x - self.x.take(there), self.y - self.y.take(there))
-        total = np.zeros(len(cells))
-        while np.count_nonzero(cells != self.origin):
-            total += step.take(cells)
-            cells = there.take(cells)
-        return total
+        return _lengths(self.x, self.y, before, cells, self.origin)
 
 
 @lru_cache(maxsize=4)
 def grid_around(radius: float) -> Grid:
-    """Cells within `radius` and the edges between neighbours; made once per radius."""
+    """Cells up to `radius` on every side; made once per radius."""
     half = int(radius / CELL)
-    axis = np.arange(-half, half + 1)
-    i, j = (a.ravel() for a in np.meshgrid(axis, axis, indexing="ij"))
-    inside = i**2 + j**2 <= half**2
-    i, j = i[inside], j[inside]
-    border = half + 2
-    number = np.full((2 * border + 1, 2 * border + 1), -1)
-    number[i + border, j + border] = np.arange(len(i))
-    moves = [(1, 0), (0, 1), (1, 1), (1, -1), (2, 1), (1, 2), (2, -1), (1, -2)]
-    tails, heads, steps = [], [], []
-    for di, dj in moves + [(-a, -b) for a, b in moves]:
-        head = number[i + di + border, j + dj + border]
-        tail = np.flatnonzero(head >= 0)
-        tails.append(tail)
-        heads.append(head[tail])
-        steps.append(np.full(len(tail), CELL * float(np.hypot(di, dj))))
-    tail, head, step = (np.concatenate(parts) for parts in (tails, heads, steps))
-    order = np.lexsort((head, tail))
-    x, y = (a.astype(np.float64) * CELL for a in (i, j))
-    distance = np.hypot(x, y)
+    axis = np.arange(-half, half + 1) * np.float64(CELL)
+    x, y = (a.ravel() for a in np.meshgrid(axis, axis, indexing="ij"))
+    moves = np.array(MOVES, dtype=np.intp)
+    moves = np.concatenate((moves, -moves))
     return Grid(
+        axis=axis,
         x=x,
         y=y,
         bearing=np.arctan2(y, x),
-        distance=distance,
-        origin=int(number[border, border]),
-        rim=np.flatnonzero(distance > radius - 1.5 * CELL),
-        first=np.searchsorted(tail[order], np.arange(len(x) + 1)).astype(np.int32),
-        head=head[order].astype(np.int32),
-        step=step[order],
+        distance=np.hypot(x, y),
+        origin=len(x) // 2,
+        moves=moves,
+        steps=CELL * np.hypot(moves[:, 0], moves[:, 1]),
     )
+
+
+@compiled
+def _cheapest(toll: FloatArray, moves: IntArray, steps: FloatArray) -> tuple[FloatArray, IntArray]:
+    """See `Grid.cheapest`. Cells to which a cheaper way was found wait in a queue, each once, to
+    pass that on (Bellman and Ford's method); on a grid this small it beats a heap."""
+    cells = len(toll)
+    size, origin = round(cells**0.5), cells // 2
+    cost, before = np.full(cells, np.inf), np.full(cells, -1)
+    queue, waits = np.empty(cells, dtype=np.intp), np.zeros(cells, dtype=np.bool_)
+    cost[origin] = 0.0
+    queue[0], first, waiting = origin, 0, 1
+    while waiting > 0:
+        cell = queue[first]
+        first, waiting, waits[cell] = (first + 1) % cells, waiting - 1, False
+        a, b = cell // size, cell % size
+        for m in range(len(moves)):
+            i, j = a + moves[m, 0], b + moves[m, 1]
+            if not (0 <= i < size and 0 <= j < size):
+                continue
+            there = i * size + j
+            through = cost[cell] + steps[m] * toll[there]
+            if through < cost[there]:
+                cost[there], before[there] = through, cell
+                if not waits[there]:
+                    queue[(first + waiting) % cells] = there
+                    waits[there] = True
+                    waiting += 1
+    return cost, before
+
+
+@compiled
+def _lengths(
+    x: FloatArray, y: FloatArray, before: IntArray, cells: IntArray, origin: int
+) -> FloatArray:
+    """See `Grid.lengths`."""
+    total = np.zeros(len(cells))
+    for k in range(len(cells)):
+        cell = cells[k]
+        while cell != origin:
+            there = before[cell]
+            total[k] += hypot(x[cell] - x[there], y[cell] - y[there])
+            cell = there
+    return total

@@ -12,11 +12,11 @@ from typing import Literal
 
 import numpy as np
 
+from fuzzynav_mj.planners.reach import free_distance
 from fuzzynav_mj.planners.sight import (
     Sight,
     Ways,
     either,
-    free_distance,
     range_jumps,
     searched_ways,
     straight_ways,

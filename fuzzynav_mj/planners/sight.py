@@ -4,11 +4,13 @@ Only standing obstacles count here; what moves is left to the roll-outs.
 """
 
 from dataclasses import dataclass
-from math import pi
+from math import floor, pi, sqrt
 
 import numpy as np
 
+from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.planners.grid import CELL, Grid, grid_around
+from fuzzynav_mj.planners.reach import free_distance, free_on_rays
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
 SPACING = 0.05  # hits are thinned out to this spacing along an outline, per metre of distance
@@ -91,62 +93,46 @@ class Search:
         return np.array([x[best], y[best]])
 
 
-def free_distance(points: FloatArray, bearings: FloatArray, width: float) -> FloatArray:
-    """(n,) how far a disc of radius `width` can move on each bearing before it meets a point.
-
-    A point that the disc already overlaps stops only motion towards it.
-    """
-    if len(points) == 0:
-        return np.full(len(bearings), np.inf)
-    x, y = points.T
-    c, s = np.cos(bearings)[:, None], np.sin(bearings)[:, None]
-    free: FloatArray = _until_met(c * x + s * y, c * y - s * x, width).min(axis=1)
-    return free
-
-
-def _free_distances(sight: Sight, widths: tuple[float, ...]) -> FloatArray:
-    """(widths, n) the same on the bearings of the rays, which are evenly spaced."""
-    count, points = len(sight.bearings), sight.points
-    free = np.full((len(widths), count), np.inf)
-    if len(points) == 0:
-        return free
-    x, y = points.T
-    # Only the rays within the angle that the widest disc covers as seen from here meet a point.
-    widest, per_radian = max(widths), count / (2 * pi)
-    spread = np.arcsin(widest / np.maximum(np.hypot(x, y), widest)) * per_radian
-    first = np.floor((np.arctan2(y, x) - sight.bearings[0]) * per_radian - spread).astype(np.intp)
-    number = (2 * spread).astype(np.intp) + 3
-    past = number.cumsum()
-    ray = (np.arange(past[-1]) + (first - past + number).repeat(number)) % count
-    x, y = x.repeat(number), y.repeat(number)
-    c, s = np.cos(sight.bearings).take(ray), np.sin(sight.bearings).take(ray)
-    along, across = c * x + s * y, c * y - s * x
-    for nearest, width in zip(free, widths, strict=True):
-        np.minimum.at(nearest, ray, _until_met(along, across, width))
-    return free
-
-
-def _until_met(along: FloatArray, across: FloatArray, width: float) -> FloatArray:
-    """How far a disc moves until it meets a point that lies so far ahead and beside it."""
-    inside = width**2 - across**2
-    distance = np.maximum(along - np.sqrt(np.maximum(inside, 0.0)), 0.0)
-    return np.where((inside > 0.0) & (along > 0.0), distance, np.inf)
-
-
 def straight_ways(sight: Sight, widths: tuple[float, ...]) -> list[Ways]:
     """Straight ways to the edge of sight, and to where one obstacle hides what is behind it, for
     each of several widths."""
-    unit = np.array((np.cos(sight.bearings), np.sin(sight.bearings)))
+    is_open, length, end = _straight(
+        sight.points, sight.bearings, sight.ranges, sight.max_range, np.array(widths)
+    )
     nowhere = np.zeros(len(sight.bearings), dtype=bool)
-    to_edge = sight.ranges >= sight.max_range - 1e-9
-    free = _free_distances(sight, widths)
-    ways = []
-    for width, reachable in zip(widths, free, strict=True):
-        reach = np.where(to_edge, sight.max_range, _hidden_reach(sight, width))
-        is_open = (reach > 0.0) & (reachable >= np.minimum(reach, sight.max_range - width))
-        end = (unit * np.maximum(reach, 0.0)).T
-        ways.append(Ways(is_open, np.where(is_open, reach, np.inf), end, is_open, nowhere))
-    return ways
+    return [Ways(is_open[w], length[w], end[w], is_open[w], nowhere) for w in range(len(widths))]
+
+
+@compiled
+def _straight(
+    points: FloatArray,
+    bearings: FloatArray,
+    ranges: FloatArray,
+    max_range: float,
+    widths: FloatArray,
+) -> tuple[BoolArray, FloatArray, FloatArray]:
+    """(w, n), (w, n) and (w, n, 2): `Ways.open`, `Ways.length` and `Ways.end` for each width."""
+    count = len(bearings)
+    c, s = np.cos(bearings), np.sin(bearings)
+    free = free_on_rays(points, c, s, bearings[0], widths)
+    is_open = np.zeros((len(widths), count), dtype=np.bool_)
+    length = np.full((len(widths), count), np.inf)
+    end = np.zeros((len(widths), count, 2))
+    for w in range(len(widths)):
+        width = widths[w]
+        jump, nearer = _range_jumps(ranges, width)
+        for i in range(count):
+            reach = 0.0
+            if ranges[i] >= max_range - 1e-9:
+                reach = max_range
+            elif jump[i]:
+                # Past the nearer ray beside it into what that one's obstacle hides.
+                reach = max(min(nearer[i] + width, ranges[i] - width), 0.0)
+            end[w, i] = reach * c[i], reach * s[i]
+            if reach > 0.0 and free[w, i] >= min(reach, max_range - width):
+                is_open[w, i] = True
+                length[w, i] = reach
+    return is_open, length, end
 
 
 def either(first: Ways, second: Ways, penalty: float) -> Ways:
@@ -162,21 +148,21 @@ def either(first: Ways, second: Ways, penalty: float) -> Ways:
     )
 
 
-def _hidden_reach(sight: Sight, width: float) -> FloatArray:
-    """(n,) how far a ray leads past the nearer one beside it into what that one's obstacle hides.
-
-    Zero where the ranges do not jump by at least the width that the robot needs.
-    """
-    jump, nearer = range_jumps(sight, width)
-    return np.where(jump, np.minimum(nearer + width, sight.ranges - width), 0.0)
-
-
 def range_jumps(sight: Sight, width: float) -> tuple[BoolArray, FloatArray]:
     """(n,) True for rays that pass an obstacle's end: one beside them is shorter by the width that
     the robot needs; and (n,) the range of that one, m."""
-    ring = np.concatenate((sight.ranges[-1:], sight.ranges, sight.ranges[:1]))
-    nearer = np.minimum(ring[:-2], ring[2:])
-    return sight.ranges - nearer >= 2 * width, nearer
+    return _range_jumps(sight.ranges, width)
+
+
+@compiled
+def _range_jumps(ranges: FloatArray, width: float) -> tuple[BoolArray, FloatArray]:
+    """See `range_jumps`."""
+    count = len(ranges)
+    jump, nearer = np.empty(count, dtype=np.bool_), np.empty(count)
+    for i in range(count):
+        nearer[i] = min(ranges[i - 1], ranges[i + 1 - count])
+        jump[i] = ranges[i] - nearer[i] >= 2 * width
+    return jump, nearer
 
 
 def searched_ways(sight: Sight, width: float, comfortable: float) -> Ways:
@@ -186,44 +172,122 @@ def searched_ways(sight: Sight, width: float, comfortable: float) -> Ways:
     costs up to three times its length.
     """
     grid = grid_around(sight.max_range)
-    count = len(sight.bearings)
-    turn = (grid.bearing - sight.bearings[0]) * (count / (2 * pi))
-    ray = np.floor(turn + 0.5).astype(np.intp) % count
-    gap = grid.nearest(sight.points)
-    passable = (grid.distance <= sight.ranges.take(ray) + 1e-9) & (gap >= width)
-    passable |= grid.distance < 1.5 * CELL  # where the robot stands it may stand
-    toll = 1.0 + 2.0 * np.clip((comfortable - gap) / (comfortable - width), 0.0, 1.0)
-    cost, before = grid.cheapest(np.where(passable, toll, np.inf))
-    # The edge of sight: the cheapest cell near it on each ray's bearing.
-    rim = grid.rim[np.isfinite(cost.take(grid.rim))]
-    rim = rim[np.argsort(-cost.take(rim), kind="stable")]
-    target = np.full(count, -1)
-    target[ray.take(rim)] = rim  # of several the last, which is the cheapest
-    target[sight.ranges < sight.max_range - 1e-9] = -1
-    # And past an obstacle's end: the nearest cell behind it from which more may be seen.
-    jump, nearer = range_jumps(sight, width)
-    behind = np.flatnonzero(jump.take(ray) & (target.take(ray) < 0) & np.isfinite(cost))
-    behind = behind[grid.distance.take(behind) >= (nearer + width).take(ray.take(behind))]
-    behind = behind[np.argsort(-grid.distance.take(behind), kind="stable")]
-    target[ray.take(behind)] = behind
+    turn = float(sight.bearings[0])
+    toll, ray = _tolls(
+        grid.axis, grid.distance, grid.bearing, sight.points, sight.ranges, turn, width, comfortable
+    )
+    cost, before = grid.cheapest(toll)
+    target = _targets(
+        cost, ray, grid.distance, sight.ranges, width, sight.max_range, sight.max_range - 1.5 * CELL
+    )
     is_open = target >= 0
-    length = np.full(count, np.inf)
+    length = np.full(len(target), np.inf)
     length[is_open] = grid.lengths(before, target[is_open])
-    end = np.array((grid.x.take(target), grid.y.take(target))).T
+    end = np.stack((grid.x.take(target), grid.y.take(target)), axis=1)
     search = Search(grid, before, target, sight.points, width)
-    return Ways(is_open, length, end, np.zeros(count, dtype=bool), is_open, search)
+    return Ways(is_open, length, end, np.zeros(len(target), dtype=bool), is_open, search)
+
+
+@compiled
+def _tolls(
+    axis: FloatArray,
+    distance: FloatArray,
+    bearing: FloatArray,
+    points: FloatArray,
+    ranges: FloatArray,
+    turn: float,
+    width: float,
+    comfortable: float,
+) -> tuple[FloatArray, IntArray]:
+    """(cells,) cost per metre of ground, inf where none may go, and (cells,) the ray to each cell.
+
+    Args:
+        axis: (n,) coordinates of the cells in a row of the grid, m.
+        distance, bearing: (cells,) of each from the robot's own.
+        points: (k, 2) of what stands.
+        ranges: (rays,) evenly spaced, the first one at the bearing `turn`.
+        width: that must be kept clear, m.
+        comfortable: up to here ground costs more, m.
+    """
+    size, half, count = len(axis), len(axis) // 2, len(ranges)
+    gap = np.full(size * size, comfortable**2)
+    reach = int(comfortable / CELL) + 1
+    for k in range(len(points)):
+        x, y = points[k, 0], points[k, 1]
+        i, j = round(x / CELL) + half, round(y / CELL) + half
+        for a in range(max(i - reach, 0), min(i + reach + 1, size)):
+            for b in range(max(j - reach, 0), min(j + reach + 1, size)):
+                squared = (axis[a] - x) ** 2 + (axis[b] - y) ** 2
+                gap[a * size + b] = min(gap[a * size + b], squared)
+    toll, ray = np.full(size * size, np.inf), np.empty(size * size, dtype=np.intp)
+    for cell in range(size * size):
+        ray[cell] = floor((bearing[cell] - turn) * (count / (2 * pi)) + 0.5) % count
+        room = sqrt(gap[cell])
+        free = distance[cell] <= ranges[ray[cell]] + 1e-9 and room >= width
+        if free or distance[cell] < 1.5 * CELL:  # where the robot stands it may stand
+            toll[cell] = 1.0 + 2.0 * min((comfortable - room) / (comfortable - width), 1.0)
+    return toll, ray
+
+
+@compiled
+def _targets(
+    cost: FloatArray,
+    ray: IntArray,
+    distance: FloatArray,
+    ranges: FloatArray,
+    width: float,
+    max_range: float,
+    rim: float,
+) -> IntArray:
+    """(rays,) the cell where the way at each ray ends, -1 for none.
+
+    At the edge of sight, farther than `rim`, that is the cheapest cell on the ray's bearing; past
+    an obstacle's end the nearest one behind it, from which more may be seen.
+
+    Args:
+        cost: (cells,) of the way to each cell, inf where there is none.
+        ray: (cells,) the ray to each cell.
+        distance: (cells,) from the robot's own, m.
+        ranges: (rays,).
+        width: that the robot needs, m.
+        max_range: m.
+        rim: m.
+    """
+    at_rim, behind = np.full(len(ranges), -1), np.full(len(ranges), -1)
+    jump, nearer = _range_jumps(ranges, width)
+    for cell in range(len(cost)):
+        i = ray[cell]
+        if cost[cell] == np.inf:
+            continue
+        ends = ranges[i] >= max_range - 1e-9 and distance[cell] > rim
+        if ends and (at_rim[i] < 0 or cost[cell] <= cost[at_rim[i]]):
+            at_rim[i] = cell
+        reveals = jump[i] and distance[cell] >= nearer[i] + width
+        if reveals and (behind[i] < 0 or distance[cell] <= distance[behind[i]]):
+            behind[i] = cell
+    return np.where(at_rim < 0, behind, at_rim)
 
 
 def thin(points: FloatArray, spacing: float = SPACING) -> FloatArray:
     """Thins out hits (k, 2), robot-centred and in ray order: densely kept near the robot, where a
     missing corner would matter, and ever more sparsely farther away."""
-    if len(points) < 3:
-        return points
-    x, y = points.T
-    dx, dy = x[1:] - x[:-1], y[1:] - y[:-1]
-    distance = np.sqrt(x[1:] ** 2 + y[1:] ** 2)
-    length = np.sqrt(dx**2 + dy**2)
-    bins = np.floor((length / (spacing * np.maximum(distance, 0.1))).cumsum())
-    keep = np.ones(len(points), dtype=bool)
-    keep[1:-1] = bins[1:] != bins[:-1]
-    return points.T.compress(keep, axis=1).T
+    return _thin(np.ascontiguousarray(points), spacing)
+
+
+@compiled
+def _thin(points: FloatArray, spacing: float) -> FloatArray:
+    """See `thin`. The first and the last point stay, and the last before each whole spacing."""
+    kept = np.empty_like(points)
+    count, last, way, before = 0, len(points) - 1, 0.0, 0.0
+    for k in range(len(points)):
+        after = before
+        if k < last:
+            x, y = points[k + 1, 0], points[k + 1, 1]
+            dx, dy = x - points[k, 0], y - points[k, 1]
+            way += sqrt(dx**2 + dy**2) / (spacing * max(sqrt(x**2 + y**2), 0.1))
+            after = floor(way)
+        if k == 0 or k == last or after != before:
+            kept[count] = points[k]
+            count += 1
+        before = after
+    return kept[:count].copy()

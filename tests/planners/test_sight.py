@@ -10,10 +10,10 @@ from point_world import RANGE, box, distance_to, sight_at, walls
 
 from fuzzynav_mj.geometry import wrap_angle
 from fuzzynav_mj.planners.grid import CELL
+from fuzzynav_mj.planners.reach import free_distance
 from fuzzynav_mj.planners.sight import (
     Ways,
     either,
-    free_distance,
     searched_ways,
     straight_ways,
     thin,

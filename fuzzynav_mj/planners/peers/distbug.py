@@ -5,7 +5,7 @@ from math import atan2, cos, hypot, pi, sin
 
 import numpy as np
 
-from fuzzynav_mj.planners.sight import free_distance
+from fuzzynav_mj.planners.reach import free_distance
 from fuzzynav_mj.types import BoolArray, FloatArray
 
 WIDTH = 0.15  # m: radius of the disc that the algorithm moves

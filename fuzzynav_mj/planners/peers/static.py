@@ -8,7 +8,7 @@ import numpy as np
 from fuzzynav_mj.planners.arrival import docking
 from fuzzynav_mj.planners.base import NavigationProblem, Observation, Requirements
 from fuzzynav_mj.planners.peers.clear_motion import hits_around, step_towards
-from fuzzynav_mj.planners.sight import free_distance
+from fuzzynav_mj.planners.reach import free_distance
 from fuzzynav_mj.types import Behaviour, Decision, FloatArray
 
 WIDTH = 0.15  # m: radius of the disc that must fit through a way
