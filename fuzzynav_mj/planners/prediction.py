@@ -6,10 +6,11 @@ react is what counts: later the robot will have looked and decided again. A move
 towards the robot is still uncertain is also thought of as coming faster.
 """
 
-from math import hypot
+from math import cos, hypot, sin
 
 import numpy as np
 
+from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.types import FloatArray, PerceivedObstacle
 
 SWERVE = 0.5  # m/s2: sideways acceleration that a mover may add to what is seen of it
@@ -19,10 +20,8 @@ UNCERTAIN = 0.12  # m/s: a smaller uncertainty of the closing speed is not worth
 LARGEST_SURPRISE = 0.5  # m/s
 
 
-def displacements(
-    obstacle: PerceivedObstacle, place: FloatArray, times: FloatArray
-) -> list[FloatArray]:
-    """(T, 2) displacements after each of `times` (T,), one array for each way it may go on; the
+def displacements(obstacle: PerceivedObstacle, place: FloatArray, times: FloatArray) -> FloatArray:
+    """(ways, T, 2) displacements after each of `times` (T,) on every way it may go on; the
     expected way comes first.
 
     Args:
@@ -30,30 +29,44 @@ def displacements(
         place: (2,) of the robot, world frame.
         times: s from now.
     """
-    velocity = obstacle.velocity
-    expected = _turning(velocity, obstacle.turn_rate, times)
-    ways = [expected]
-    if abs(obstacle.turn_rate) > TURNING:
-        ways.append(times[:, None] * velocity)
-    speed = max(hypot(*velocity.tolist()), 1e-9)
-    across = np.array([-velocity[1], velocity[0]]) / speed
-    swerve = 0.5 * SWERVE * np.minimum(times, SWERVE_TIME) ** 2
-    soon = (times <= SWERVE_TIME + 1e-9)[:, None]
-    for side in (1.0, -1.0):
-        ways.append(np.where(soon, expected + side * swerve[:, None] * across, expected))
-    if obstacle.closing_sigma > UNCERTAIN:
-        towards = place - obstacle.nearest_point
-        towards = towards / max(hypot(*towards.tolist()), 1e-9)
-        surprise = min(obstacle.closing_sigma, LARGEST_SURPRISE)
-        ways.append(expected + times[:, None] * (surprise * towards))
+    vx, vy = obstacle.velocity.tolist()
+    x, y = (place - obstacle.nearest_point).tolist()
+    return _displacements(vx, vy, obstacle.turn_rate, obstacle.closing_sigma, x, y, times)
+
+
+@compiled
+def _displacements(
+    vx: float,
+    vy: float,
+    turn_rate: float,
+    closing_sigma: float,
+    x: float,
+    y: float,
+    times: FloatArray,
+) -> FloatArray:
+    """See `displacements`; the robot is at (x, y) from the mover's nearest point."""
+    turns, surprises = abs(turn_rate) > TURNING, closing_sigma > UNCERTAIN
+    ways = np.empty((3 + turns + surprises, len(times), 2))
+    speed, distance = max(hypot(vx, vy), 1e-9), max(hypot(x, y), 1e-9)
+    surprise = min(closing_sigma, LARGEST_SURPRISE)
+    for k in range(len(times)):
+        t = times[k]
+        forth_x, forth_y = t * vx, t * vy
+        if abs(turn_rate) >= 1e-3:  # on an arc
+            angle = turn_rate * t
+            along, across = sin(angle) / turn_rate, (1.0 - cos(angle)) / turn_rate
+            forth_x, forth_y = along * vx - across * vy, across * vx + along * vy
+        ways[0, k] = forth_x, forth_y
+        way = 1
+        if turns:
+            ways[way, k] = t * vx, t * vy
+            way += 1
+        aside = 0.5 * SWERVE * min(t, SWERVE_TIME) ** 2 if t <= SWERVE_TIME + 1e-9 else 0.0
+        for side in (1.0, -1.0):
+            swerve = side * aside / speed
+            ways[way, k] = forth_x - swerve * vy, forth_y + swerve * vx
+            way += 1
+        if surprises:
+            share = t * surprise / distance
+            ways[way, k] = forth_x + share * x, forth_y + share * y
     return ways
-
-
-def _turning(velocity: FloatArray, turn_rate: float, times: FloatArray) -> FloatArray:
-    """(T, 2) displacements on an arc with a constant turn rate, rad/s."""
-    if abs(turn_rate) < 1e-3:
-        return times[:, None] * velocity
-    angle = turn_rate * times
-    along, across = np.sin(angle) / turn_rate, (1.0 - np.cos(angle)) / turn_rate
-    vx, vy = velocity
-    return np.stack((along * vx - across * vy, across * vx + along * vy), axis=1)

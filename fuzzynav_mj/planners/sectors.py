@@ -5,11 +5,12 @@ direction of travel: front within 45 degrees of it, left and right the rest up t
 Of more than three static (or dynamic) obstacles the nearest three count, as in the paper.
 """
 
-from math import pi
+from math import atan2, pi, sqrt
 
 import numpy as np
 
-from fuzzynav_mj.types import FloatArray, FuzzyInputs, PerceivedObstacle
+from fuzzynav_mj.compiled import compiled
+from fuzzynav_mj.types import BoolArray, FloatArray, FuzzyInputs, IntArray, PerceivedObstacle
 
 CLEAR = 1.0  # the reading where nothing is in range
 FRONT = pi / 4
@@ -31,31 +32,56 @@ def sector_distances(
         ahead: time until the next position is due, s.
         max_range: beyond this an obstacle is out of range.
     """
-    inputs = np.full((len(places), 6), CLEAR)
     ranked = sorted(obstacles, key=lambda o: o.distance)
     chosen = [o for o in ranked if not o.dynamic][:3] + [o for o in ranked if o.dynamic][:3]
     if not chosen:
-        return inputs
-    offsets = np.array([_nearest_offset(places, o, ahead) for o in chosen])
-    dx, dy = offsets.T  # (m, obstacles) each
-    distance = np.sqrt(dx**2 + dy**2)
-    bearing = (np.arctan2(dy, dx) - travel[:, None] + pi) % (2 * pi) - pi
-    side = np.where(np.abs(bearing) <= FRONT, 1, np.where(bearing > 0, 0, 2))
-    column = side + np.array([3 if o.dynamic else 0 for o in chosen])
-    seen = np.where(distance < max_range, distance, CLEAR)
-    np.minimum.at(inputs, (np.arange(len(places))[:, None], column), seen)
+        return np.full((len(places), 6), CLEAR)
+    ends = np.cumsum([len(o.points) for o in chosen])
+    moved = np.array([o.velocity for o in chosen]) * ahead
+    dynamic = np.array([o.dynamic for o in chosen])
+    points = np.concatenate([o.points for o in chosen])
+    return _distances(places, travel, points, ends, moved, dynamic, max_range)
+
+
+@compiled
+def _distances(
+    places: FloatArray,
+    travel: FloatArray,
+    points: FloatArray,
+    ends: IntArray,
+    moved: FloatArray,
+    dynamic: BoolArray,
+    max_range: float,
+) -> FloatArray:
+    """(m, 6) of `sector_distances`.
+
+    Args:
+        places, travel: (m, 2) and (m,).
+        points: (k, 2) of all obstacles, one after the other.
+        ends: (obstacles,) the number after each one's last point.
+        moved: (obstacles, 2) by how much each dynamic one will have moved, m.
+        dynamic: (obstacles,).
+        max_range: m.
+    """
+    inputs = np.full((len(places), 6), CLEAR)
+    for m in range(len(places)):
+        first = 0
+        for o in range(len(ends)):
+            x, y = places[m, 0], places[m, 1]
+            if dynamic[o]:
+                x, y = x - moved[o, 0], y - moved[o, 1]
+            dx, dy, nearest = 0.0, 0.0, np.inf
+            for k in range(first, ends[o]):
+                squared = (points[k, 0] - x) ** 2 + (points[k, 1] - y) ** 2
+                if squared < nearest:
+                    dx, dy, nearest = points[k, 0] - x, points[k, 1] - y, squared
+            first = ends[o]
+            bearing = (atan2(dy, dx) - travel[m] + pi) % (2 * pi) - pi
+            side = 1 if abs(bearing) <= FRONT else (0 if bearing > 0.0 else 2)
+            column = side + (3 if dynamic[o] else 0)
+            if nearest < max_range**2:
+                inputs[m, column] = min(inputs[m, column], sqrt(nearest))
     return inputs
-
-
-def _nearest_offset(places: FloatArray, obstacle: PerceivedObstacle, ahead: float) -> FloatArray:
-    """(m, 2) from each place to the obstacle's point nearest to it, `ahead` seconds on."""
-    x, y = obstacle.points.T
-    if obstacle.dynamic:
-        vx, vy = obstacle.velocity.tolist()
-        x, y = x + vx * ahead, y + vy * ahead
-    dx, dy = x - places[:, :1], y - places[:, 1:]
-    nearest = (dx**2 + dy**2).argmin(axis=1)
-    return np.array((x.take(nearest), y.take(nearest))).T - places
 
 
 def as_fuzzy_inputs(row: FloatArray) -> FuzzyInputs:

@@ -1,16 +1,17 @@
 """What a perception means for the roll-outs: what stands, and where what moves will be."""
 
 from dataclasses import dataclass
-from math import hypot, pi
+from math import atan2, cos, hypot, pi, sin
 
 import numpy as np
 
+from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.planners.motions import HORIZON
 from fuzzynav_mj.planners.passing import OUTLOOK
 from fuzzynav_mj.planners.prediction import displacements
 from fuzzynav_mj.planners.sight import Sight, thin
 from fuzzynav_mj.robot import RobotSpec
-from fuzzynav_mj.types import BoolArray, FloatArray, PerceivedObstacle, Perception, Pose2D
+from fuzzynav_mj.types import BoolArray, FloatArray, Perception, Pose2D
 
 LONGEST_HIDDEN = 1.0  # m of an outline that is thought to go on behind a mover
 MOVER_SPACING = 0.10  # as `sight.SPACING`, for movers: their margins are wider
@@ -41,14 +42,18 @@ def surroundings(perception: Perception, pose: Pose2D, spec: RobotSpec) -> Surro
     points = thin(np.concatenate(standing) - here) if standing else np.empty((0, 2))
     scan = perception.scan
     bearings = scan.bearings + pose.yaw
-    ranges, hidden, behind = _seen_through(scan.ranges, bearings, movers, here, scan.max_range)
-    points = np.concatenate((points, thin(behind)))
-    expected, possible = [], []
+    hidden = np.zeros(len(bearings), dtype=bool)
+    ranges = scan.ranges
+    if movers:
+        offsets = np.concatenate([mover.points for mover in movers]) - here
+        ranges, hidden, behind = _seen_through(ranges, bearings, offsets, scan.max_range)
+        points = np.concatenate((points, thin(behind)))
+    expected, possible, times = [], [], period_ends(spec, OUTLOOK)
     for mover in movers:
         points_now = thin(mover.points - here, MOVER_SPACING).T[None]
-        first, *others = displacements(mover, here, period_ends(spec, OUTLOOK))
-        expected.append(points_now + first[:, :, None])
-        possible += [points_now + way[:HORIZON, :, None] for way in others]
+        ways = displacements(mover, here, times)[..., None]
+        expected.append(points_now + ways[0])
+        possible += [points_now + way[:HORIZON] for way in ways[1:]]
     sight = Sight(points, bearings, ranges, scan.max_range, hidden)
     return Surroundings(sight, _joined(expected, OUTLOOK), _joined(possible, HORIZON))
 
@@ -62,45 +67,48 @@ def period_ends(spec: RobotSpec, count: int = HORIZON) -> FloatArray:
     return np.arange(1, count + 1, dtype=np.float64) * spec.decision_period
 
 
+@compiled
 def _seen_through(
-    ranges: FloatArray,
-    bearings: FloatArray,
-    movers: list[PerceivedObstacle],
-    here: FloatArray,
-    max_range: float,
+    ranges: FloatArray, bearings: FloatArray, movers: FloatArray, max_range: float
 ) -> tuple[FloatArray, BoolArray, FloatArray]:
     """(n,) ranges without the movers, (n,) which of them a mover hides, and (k, 2) points that are
-    thought to stand behind movers: an outline seen on both sides of one goes on behind it."""
+    thought to stand behind movers: an outline seen on both sides of one goes on behind it.
+
+    Args:
+        ranges, bearings: (n,) of evenly spaced rays.
+        movers: (j, 2) hits of movers, robot-centred.
+        max_range: m.
+    """
     count = len(bearings)
-    hidden = np.zeros(count, dtype=bool)
-    if not movers:
-        return ranges, hidden, np.empty((0, 2))
-    offset = np.concatenate([mover.points for mover in movers]) - here
-    angle = np.arctan2(offset[:, 1], offset[:, 0]) - bearings[0]
-    hidden[np.rint(angle * (count / (2 * pi))).astype(int) % count] = True
+    hidden = np.zeros(count, dtype=np.bool_)
+    for k in range(len(movers)):
+        angle = atan2(movers[k, 1], movers[k, 0]) - bearings[0]
+        hidden[round(angle * (count / (2 * pi))) % count] = True
     free = np.where(hidden, max_range, ranges)
-    behind = []
-    for first in np.flatnonzero(hidden & ~np.roll(hidden, 1)).tolist():
-        ahead = (first + np.arange(count)) % count
-        length = int((~hidden[ahead]).argmax())
-        sides = np.array([first - 1, (first + length) % count])
-        if length == 0 or ranges[sides].max() >= max_range:
+    behind, found = np.empty((count, 2)), 0
+    for first in range(count):
+        if not hidden[first] or hidden[first - 1]:
             continue
-        start, end = ranges[sides, None] * _unit(bearings[sides])
-        if hypot(*(end - start).tolist()) > LONGEST_HIDDEN:
+        length = 1
+        while hidden[(first + length) % count]:
+            length += 1
+        before, after = first - 1, (first + length) % count
+        if max(ranges[before], ranges[after]) >= max_range:
             continue
-        along = end - start
-        unit = _unit(bearings[ahead[:length]])
-        reach = (start[0] * along[1] - start[1] * along[0]) / (
-            unit[:, 0] * along[1] - unit[:, 1] * along[0]
-        )
-        farther = (reach > ranges[ahead[:length]]) & (reach < max_range)
-        rays = ahead[:length][farther]
-        free[rays] = reach[farther]
-        behind.append(unit[farther] * reach[farther, None])
-    return free, hidden, np.concatenate(behind) if behind else np.empty((0, 2))
-
-
-def _unit(bearings: FloatArray) -> FloatArray:
-    unit: FloatArray = np.stack((np.cos(bearings), np.sin(bearings)), axis=1)
-    return unit
+        x, y = ranges[before] * cos(bearings[before]), ranges[before] * sin(bearings[before])
+        along_x = ranges[after] * cos(bearings[after]) - x
+        along_y = ranges[after] * sin(bearings[after]) - y
+        if hypot(along_x, along_y) > LONGEST_HIDDEN:
+            continue
+        for step in range(length):
+            ray = (first + step) % count
+            c, s = cos(bearings[ray]), sin(bearings[ray])
+            across = c * along_y - s * along_x
+            if across == 0.0:
+                continue
+            reach = (x * along_y - y * along_x) / across
+            if ranges[ray] < reach < max_range:
+                free[ray] = reach
+                behind[found] = reach * c, reach * s
+                found += 1
+    return free, hidden, behind[:found].copy()

@@ -1,5 +1,6 @@
 """Cheapest ways over the grid against SciPy's, and free distances on rays against single ones."""
 
+from itertools import pairwise
 from math import pi
 
 import numpy as np
@@ -38,7 +39,7 @@ def test_costs_are_those_of_dijkstra(seed: int, blocked: float) -> None:
         chain = [*GRID.chain(before, cell), GRID.origin]
         steps = [
             np.hypot(GRID.x[p] - GRID.x[q], GRID.y[p] - GRID.y[q]) * toll[p]
-            for p, q in zip(chain[:-1], chain[1:], strict=True)
+            for p, q in pairwise(chain)
         ]
         assert sum(steps) == pytest.approx(cost[cell])
 
