@@ -7,11 +7,12 @@ boundary. Movers and the fuzzy gate may hold the robot up; they never touch this
 """
 
 from dataclasses import dataclass
-from math import atan2, cos, hypot, pi, sin
+from math import atan2, cos, hypot, inf, pi, sin
 from typing import Literal
 
 import numpy as np
 
+from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.planners.reach import free_distance
 from fuzzynav_mj.planners.sight import (
     Sight,
@@ -159,7 +160,9 @@ class Guidance:
         cost = ways.length + left_over
         following = self._following
         if following is None:
-            cost = cost + self._settings.blind_penalty * _blind(goal, sight, ways)
+            ahead = _ray(atan2(goal[1], goal[0]), sight)
+            blind = _blind(ahead, sight.ranges, sight.max_range, ways.open)
+            cost = cost + self._settings.blind_penalty * blind
             best = int(cost.argmin())
             bearing = float(sight.bearings[best])
             if left_over[best] < distance and not self._turned_back(bearing):
@@ -242,23 +245,23 @@ class Guidance:
         self, place: tuple[float, float], goal: FloatArray, sight: Sight, ways: Ways
     ) -> bool:
         """True if a ray sees free ground that no straight way reaches, and it would be wanted."""
-        jump, _ = range_jumps(sight, self._settings.tight)
+        if self._following is None:
+            promised, have = _promises(
+                sight.ranges, sight.bearings, sight.max_range, self._settings.tight,
+                ways.open, ways.length, ways.end, goal,
+            )  # fmt: skip
+            return promised < have - self._settings.search_gain
+        jump, _ = range_jumps(sight.ranges, self._settings.tight)
         hopeful = ((sight.ranges >= sight.max_range - 1e-9) | jump) & ~ways.open
         if not hopeful.any():
             return False
-        if self._following is not None:
-            order = self._outwards(place, sight, self._following)
-            if not ways.open.any():
-                return True
-            # The width of the robot hides a few rays beside every edge; those promise nothing.
-            hidden = self._settings.tight / sight.max_range * len(order) / (2 * pi)
-            lead = int(ways.open[order].argmax()) - int((hopeful | ways.open)[order].argmax())
-            return lead > 1.5 * hidden
-        unit = np.stack((np.cos(sight.bearings[hopeful]), np.sin(sight.bearings[hopeful])), axis=1)
-        rest = unit * sight.max_range - goal
-        promised = sight.max_range + np.hypot(rest[:, 0], rest[:, 1]).min()
-        have = ways.length + np.hypot(ways.end[:, 0] - goal[0], ways.end[:, 1] - goal[1])
-        return bool(promised < have.min() - self._settings.search_gain)
+        order = self._outwards(place, sight, self._following)
+        if not ways.open.any():
+            return True
+        # The width of the robot hides a few rays beside every edge; those promise nothing.
+        hidden = self._settings.tight / sight.max_range * len(order) / (2 * pi)
+        lead = int(ways.open[order].argmax()) - int((hopeful | ways.open)[order].argmax())
+        return lead > 1.5 * hidden
 
     def _begin(
         self,
@@ -389,26 +392,64 @@ def _ray(bearing: float, sight: Sight) -> int:
     return round((bearing - float(sight.bearings[0])) * count / (2 * pi)) % count
 
 
-def _blind(goal: FloatArray, sight: Sight, ways: Ways) -> BoolArray:
+@compiled
+def _promises(
+    ranges: FloatArray,
+    bearings: FloatArray,
+    max_range: float,
+    width: float,
+    is_open: BoolArray,
+    length: FloatArray,
+    end: FloatArray,
+    goal: FloatArray,
+) -> tuple[float, float]:
+    """Shortest way to the goal, m, by ground that a ray sees free and no straight way reaches; and
+    by the ways that there are. Each inf where there is none."""
+    promised = have = inf
+    jump, _ = range_jumps(ranges, width)
+    for i in range(len(ranges)):
+        have = min(have, length[i] + hypot(end[i, 0] - goal[0], end[i, 1] - goal[1]))
+        if not is_open[i] and (jump[i] or ranges[i] >= max_range - 1e-9):
+            x, y = max_range * cos(bearings[i]), max_range * sin(bearings[i])
+            promised = min(promised, max_range + hypot(x - goal[0], y - goal[1]))
+    return promised, have
+
+
+@compiled
+def _blind(goal_ray: int, ranges: FloatArray, max_range: float, is_open: BoolArray) -> BoolArray:
     """(n,) True for the ways on a side of the goal's direction on which the obstacle in the way
-    runs on beyond sight: there may be no end to it."""
-    count = len(sight.bearings)
-    blind = np.zeros(count, dtype=bool)
-    ahead = _ray(atan2(goal[1], goal[0]), sight)
-    if ways.open[ahead]:
+    runs on beyond sight: there may be no end to it.
+
+    Args:
+        goal_ray: the ray towards the goal.
+        ranges: (n,) m.
+        max_range: m.
+        is_open: (n,) where ways lead on.
+    """
+    count = len(ranges)
+    blind = np.zeros(count, dtype=np.bool_)
+    if is_open[goal_ray]:
         return blind
     for side in (1, -1):
-        fan = (ahead + side * np.arange(count // 2)) % count
-        first = int(ways.open[fan].argmax())
-        ranges = sight.ranges[fan[:first]]
-        hits = np.flatnonzero(ranges < sight.max_range - 1e-9)
-        if len(hits) == 0:
+        hits = np.empty(count // 2, dtype=np.intp)  # how far from the goal's ray
+        found = 0
+        for step in range(count // 2):
+            ray = (goal_ray + side * step) % count
+            if is_open[ray]:
+                break
+            if ranges[ray] < max_range - 1e-9:
+                hits[found] = step
+                found += 1
+        else:
+            found = 0  # no way at all on this side
+        if found == 0:
             continue
-        last = int(hits[-1])
-        before = int(hits[max(len(hits) - 4, 0)])
-        slope = (ranges[last] - ranges[before]) / max(last - before, 1)
-        if len(hits) < 4 or ranges[last] + 2.0 * slope > sight.max_range:
-            blind[fan] = True
+        last, before = hits[found - 1], hits[max(found - 4, 0)]
+        farthest = ranges[(goal_ray + side * last) % count]
+        rise = farthest - ranges[(goal_ray + side * before) % count]
+        if found < 4 or farthest + 2.0 * rise / max(last - before, 1) > max_range:
+            for step in range(count // 2):
+                blind[(goal_ray + side * step) % count] = True
     return blind
 
 

@@ -120,7 +120,7 @@ def _straight(
     end = np.zeros((len(widths), count, 2))
     for w in range(len(widths)):
         width = widths[w]
-        jump, nearer = _range_jumps(ranges, width)
+        jump, nearer = range_jumps(ranges, width)
         for i in range(count):
             reach = 0.0
             if ranges[i] >= max_range - 1e-9:
@@ -148,15 +148,10 @@ def either(first: Ways, second: Ways, penalty: float) -> Ways:
     )
 
 
-def range_jumps(sight: Sight, width: float) -> tuple[BoolArray, FloatArray]:
+@compiled
+def range_jumps(ranges: FloatArray, width: float) -> tuple[BoolArray, FloatArray]:
     """(n,) True for rays that pass an obstacle's end: one beside them is shorter by the width that
     the robot needs; and (n,) the range of that one, m."""
-    return _range_jumps(sight.ranges, width)
-
-
-@compiled
-def _range_jumps(ranges: FloatArray, width: float) -> tuple[BoolArray, FloatArray]:
-    """See `range_jumps`."""
     count = len(ranges)
     jump, nearer = np.empty(count, dtype=np.bool_), np.empty(count)
     for i in range(count):
@@ -254,7 +249,7 @@ def _targets(
         rim: m.
     """
     at_rim, behind = np.full(len(ranges), -1), np.full(len(ranges), -1)
-    jump, nearer = _range_jumps(ranges, width)
+    jump, nearer = range_jumps(ranges, width)
     for cell in range(len(cost)):
         i = ray[cell]
         if cost[cell] == np.inf:
