@@ -38,8 +38,10 @@ def play_episode(
     """
     chosen = make_planner(planner)
     # MuJoCo and dm_control take longer to import than a wrong name takes to be found.
+    from fuzzynav_mj.rehearsal import rehearse
     from fuzzynav_mj.tasks.simulation import EpisodeSimulation
 
+    rehearse()
     simulation = EpisodeSimulation(scenario, seed, disturbance.friction)
     return run_episode(
         simulation,

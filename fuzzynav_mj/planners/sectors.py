@@ -39,7 +39,7 @@ def sector_distances(
     ends = np.cumsum([len(o.points) for o in chosen])
     moved = np.array([o.velocity for o in chosen]) * ahead
     dynamic = np.array([o.dynamic for o in chosen])
-    points = np.concatenate([o.points for o in chosen])
+    points = np.ascontiguousarray(np.concatenate([o.points for o in chosen]))
     return _distances(places, travel, points, ends, moved, dynamic, max_range)
 
 

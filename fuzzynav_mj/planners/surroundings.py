@@ -46,6 +46,7 @@ def surroundings(perception: Perception, pose: Pose2D, spec: RobotSpec) -> Surro
     ranges = scan.ranges
     if movers:
         offsets = np.concatenate([mover.points for mover in movers]) - here
+        offsets = np.ascontiguousarray(offsets)
         ranges, hidden, behind = _seen_through(ranges, bearings, offsets, scan.max_range)
         points = np.concatenate((points, thin(behind)))
     expected, possible, times = [], [], period_ends(spec, OUTLOOK)

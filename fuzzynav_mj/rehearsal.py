@@ -1,0 +1,62 @@
+"""A short episode before the first one, so that its times are those of any other.
+
+Compiled functions are loaded, or made on a new machine, at their first call; tables of headings
+and cells are filled at the first decision. The rehearsal sees to both in some tenths of a second,
+or some seconds on a new machine.
+"""
+
+from functools import lru_cache
+from math import pi
+
+import numpy as np
+
+from fuzzynav_mj.episode import run_episode
+from fuzzynav_mj.fuzzy.risk import RiskGate
+from fuzzynav_mj.planners.multilayer import MultilayerPlanner
+from fuzzynav_mj.scenarios.motion import Mover, waypoint_motion
+from fuzzynav_mj.scenarios.schema import Scenario
+from fuzzynav_mj.scenarios.shape import Shape
+from fuzzynav_mj.tasks.simulation import EpisodeSimulation
+from fuzzynav_mj.types import Pose2D
+
+_POCKET = (
+    (1.0, 0.4),
+    (1.5, 0.4),
+    (1.5, 1.6),
+    (1.0, 1.6),
+    (1.0, 1.5),
+    (1.4, 1.5),
+    (1.4, 0.5),
+    (1.0, 0.5),
+)
+_BLOCK = ((0.15, -0.1), (0.15, 0.1), (-0.15, 0.1), (-0.2, 0.0), (-0.15, -0.1))
+
+
+@lru_cache(maxsize=1)
+def rehearse() -> None:
+    """Plays the rehearsal, once in a process. Nothing of it stays but what is compiled or filled.
+
+    The robot drives into a pocket, searches the way around it, and meets a mover on the way.
+    """
+    mover = Mover(
+        Shape(np.array(_BLOCK), None), waypoint_motion(np.array([[0.4, 1.5], [0.4, 0.2]]), 0.3)
+    )
+    scenario = Scenario(
+        name="rehearsal",
+        description="",
+        bounds=(0.0, 0.0, 2.4, 2.0),
+        walls=True,
+        time_limit=3.0,
+        allow_faster=False,
+        start=Pose2D(1.0, 1.0, pi / 4),
+        goal=(2.0, 1.0),
+        goal_yaw=None,
+        goal_tolerance=0.1,
+        static=(Shape(np.array(_POCKET), None), Shape(None, (0.3, 1.8, 0.1))),
+        moving=(mover,),
+        random_moving=(),
+        source="rehearsal",
+    )
+    simulation = EpisodeSimulation(scenario, 0)
+    planner = MultilayerPlanner(RiskGate())
+    run_episode(simulation, planner, "fuzzy", simulation.planner_rng, 0.0, {})

@@ -1,0 +1,31 @@
+"""The rehearsal takes the same functions and tables as an episode does."""
+
+import sys
+
+from numba.core.registry import CPUDispatcher
+
+from fuzzynav_mj.planners.grid import grid_around
+from fuzzynav_mj.rehearsal import rehearse
+from fuzzynav_mj.runner import play_episode
+from fuzzynav_mj.scenarios import load_scenario
+
+
+def specialisations() -> dict[str, int]:
+    """How often each compiled function has been made or loaded, by its name."""
+    return {
+        f"{name}.{function.__name__}": len(function.signatures)
+        for name, module in list(sys.modules.items())
+        if name.startswith("fuzzynav_mj.")
+        for function in vars(module).values()
+        if isinstance(function, CPUDispatcher)
+    }
+
+
+def test_nothing_is_left_to_be_compiled_or_filled_in_an_episode() -> None:
+    rehearse()
+    before, grids = specialisations(), grid_around.cache_info().misses
+    assert before
+    for name in ("trap", "narrow"):
+        play_episode(load_scenario(name), "fuzzy", 1)
+    assert specialisations() == before
+    assert grid_around.cache_info().misses == grids
