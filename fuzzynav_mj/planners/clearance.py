@@ -36,13 +36,15 @@ def _nearest_gaps(poses: FloatArray, points: FloatArray, half: float) -> FloatAr
         return gaps
     reach = half * sqrt(2.0)
     for i in range(count):
+        likely = 0  # the point nearest to the pose before
         for j in range(columns):
             x, y = poses[i, j, 0], poses[i, j, 1]
             c, s = cos(poses[i, j, 2]), sin(poses[i, j, 2])
             row = j if len(points) > 1 else 0
             nearest = FAR * FAR
             worth_a_look = (FAR + reach) ** 2
-            for k in range(points.shape[1]):
+            for number in range(-1, points.shape[1]):
+                k = number if number >= 0 else likely  # first, to rule out most others
                 dx, dy = points[row, k, 0] - x, points[row, k, 1] - y
                 if dx * dx + dy * dy >= worth_a_look:
                     continue
@@ -50,7 +52,7 @@ def _nearest_gaps(poses: FloatArray, points: FloatArray, half: float) -> FloatAr
                 aside = max(abs(c * dy - s * dx) - half, 0.0)
                 squared = ahead * ahead + aside * aside
                 if squared < nearest:
-                    nearest = squared
+                    nearest, likely = squared, k
                     worth_a_look = (sqrt(nearest) + reach) ** 2
             gaps[i, j] = sqrt(nearest)
     return gaps
