@@ -154,7 +154,9 @@ def run_episode(
         ),
         planner_rng,
     )
-    perceiver = Perceiver(spec) if planner.requires.obstacles else None
+    perceiver = (
+        Perceiver(spec, sensor=sensors.disturbance) if planner.requires.obstacles else None
+    )
     sees = planner.requires.scan or planner.requires.obstacles
     perception: Perception | None = None
     last_scan: LaserScan | None = None

@@ -10,7 +10,7 @@ from math import cos, pi, sin
 
 import numpy as np
 
-from fuzzynav_mj.sensing.looks import Look
+from fuzzynav_mj.sensing.looks import SAME_FACE, Look
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
 
@@ -24,6 +24,7 @@ class PointFlow:
         normals: (m, 2) unit normals of the earlier surface, towards the earlier pose.
         intruding: (m,) True where the hit lies well inside what was free space before.
         elapsed: s between the two looks.
+        sigma: (m,) uncertainty of `distance` that comes from the ranges', m; None for exact ones.
     """
 
     known: BoolArray
@@ -31,10 +32,10 @@ class PointFlow:
     normals: FloatArray
     intruding: BoolArray
     elapsed: float
+    sigma: FloatArray | None = None
 
 
 REACH_MARGIN = 0.01  # m: how much farther than the fastest motion believed a surface may have gone
-SAME_FACE = 0.97  # cosine of the largest angle between normals of what is taken as one face
 
 
 def point_flow(
@@ -61,7 +62,10 @@ def point_flow(
     normals = before.normals.T.take(ray, axis=1)
     surface = before.points.T.take(ray, axis=1)
     moved = (x - surface[0]) * normals[0] + (y - surface[1]) * normals[1]
-    reach = top_speed * elapsed + REACH_MARGIN
+    sigma = _uncertainty(normals, rays, now, ray, before)
+    reach: FloatArray | float = top_speed * elapsed + REACH_MARGIN
+    if sigma is not None:
+        reach = reach + 2.0 * sigma
     known = before.joined.take(ray) & (np.abs(moved) <= reach) & (distance < max_range)
     # Beside a corner that moved, the hit may lie on another face than the one seen there before.
     known &= _faces_along(normals, rays, now)
@@ -72,8 +76,23 @@ def point_flow(
         known[behind] = _depth_behind(surface.take(behind, axis=1), now) > -0.5 * moved[behind]
     # Between two rays only what is nearer than both was certainly seen to be free.
     free = np.minimum(before.ranges.take(ray), before.ranges.take(ray + 1, mode="wrap"))
+    if sigma is not None and now.sigma is not None and before.sigma is not None:
+        margin = margin + 2.0 * np.hypot(now.sigma.take(rays), before.sigma.take(ray))
     intruding = distance < free - margin
-    return PointFlow(known, moved, normals.T, intruding, elapsed)
+    return PointFlow(known, moved, normals.T, intruding, elapsed, sigma)
+
+
+def _uncertainty(
+    normals: FloatArray, rays: IntArray, now: Look, earlier: IntArray, before: Look
+) -> FloatArray | None:
+    """(m,) uncertainty along the normals (2, m) of the distances between the outlines, m."""
+    if now.sigma is None or before.sigma is None:
+        return None
+    x, y = now.points.T.take(rays, axis=1) - np.array([[now.pose.x], [now.pose.y]])
+    incidence = (x * normals[0] + y * normals[1]) / np.maximum(np.hypot(x, y), 1e-9)
+    ranges = np.hypot(now.sigma.take(rays), before.sigma.take(earlier))
+    sigma: FloatArray = np.abs(incidence) * ranges
+    return sigma
 
 
 def _faces_along(normals: FloatArray, rays: IntArray, look: Look) -> BoolArray:

@@ -1,12 +1,16 @@
 """One look: a scan with the pose it was taken from, its hits as points in the world frame."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import cos, pi, sin
 
 import numpy as np
 
+from fuzzynav_mj.sensing.cleaning import CleanScan
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray, LaserScan, Pose2D
+
+SAME_FACE = 0.97  # cosine of the largest angle between normals of what is taken as one face
+SAME_LINE = 0.995  # cosine of the largest angle between normals of hits on one straight surface
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -23,6 +27,7 @@ class Look:
         points: (n, 2) end points of the rays, world frame; hits only where `hit`.
         joined: (n,) True where ray i and ray i + 1 (cyclic) hit one continuous surface.
         normals: (n, 2) unit normal of that surface between the two hits, towards the sensor.
+        sigma: (n,) uncertainty of the ranges, m; None where they are exact.
     """
 
     stamp: float
@@ -32,6 +37,7 @@ class Look:
     points: FloatArray
     joined: BoolArray
     normals: FloatArray
+    sigma: FloatArray | None = None
 
 
 @lru_cache(maxsize=512)
@@ -63,6 +69,32 @@ def take_look(scan: LaserScan, pose: Pose2D) -> Look:
         joined=joined,
         # Bearings increase, so the sensor lies to the left of every edge.
         normals=np.array([-unit[1], unit[0]]).T,
+    )
+
+
+def take_clean_look(clean: CleanScan, pose: Pose2D) -> Look:
+    """The look of a scan with noise, on its smoothed outlines."""
+    look = take_look(clean.scan, pose)
+    _, after = neighbours(len(look.ranges))
+    x, y = clean.normals.T
+    next_x, next_y = x.take(after), y.take(after)
+    both = look.hit & look.hit.take(after)
+    edge = look.points.take(after, axis=0) - look.points
+    spacing = look.ranges * (2 * pi / len(look.ranges))
+    unsure = 3.0 * np.hypot(clean.sigma, clean.sigma.take(after))
+    near = np.hypot(edge[:, 0], edge[:, 1]) < 2.5 * spacing + 0.01 + unsure
+    turn = x * next_x + y * next_y
+    x, y = x + next_x, y + next_y
+    length = np.maximum(np.hypot(x, y), 1e-9)
+    c, s = cos(pose.yaw), sin(pose.yaw)
+    normals = np.array([c * x - s * y, s * x + c * y]) / length
+    across = np.abs((edge.T * normals).sum(axis=0))
+    level = across < 0.01 + unsure
+    in_line = (turn > SAME_LINE) & level
+    # Corners and lone hits have no normal that can be trusted: none is compared with it.
+    normals *= (turn > SAME_FACE) & level
+    return replace(
+        look, joined=both & (near | in_line), normals=normals.T, sigma=clean.sigma
     )
 
 

@@ -9,15 +9,18 @@ from math import atan2, hypot, pi
 
 import numpy as np
 
+from fuzzynav_mj.disturbance import PERFECT, Disturbance
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.sensing.flow import PointFlow, point_flow
-from fuzzynav_mj.sensing.looks import Look, take_look
+from fuzzynav_mj.sensing.cleaning import clean_scan
+from fuzzynav_mj.sensing.looks import Look, take_clean_look, take_look
 from fuzzynav_mj.sensing.outline import end_rates, outline_ends
 from fuzzynav_mj.sensing.segmentation import (
     MOVING,
     STATIC,
     UNKNOWN,
     Hits,
+    drop_single,
     gather_hits,
     split_by_motion,
 )
@@ -54,6 +57,9 @@ class PerceptionSettings:
     outline_sigma: float = 0.017
     slowest: float = 0.04
     mover_extent: float = 0.7
+    more_looks: int = 0
+    certainty: float = 2.0
+    significance: float = 1.0
 
 
 DEFAULT_SETTINGS = PerceptionSettings()
@@ -67,21 +73,36 @@ class Perceiver:
         settings: what is believed of movers and of the sensor.
     """
 
-    def __init__(self, spec: RobotSpec, settings: PerceptionSettings = DEFAULT_SETTINGS) -> None:
+    def __init__(
+        self,
+        spec: RobotSpec,
+        settings: PerceptionSettings = DEFAULT_SETTINGS,
+        sensor: Disturbance = PERFECT,
+    ) -> None:
         self._spec = spec
         self._settings = settings
-        self._looks: deque[Look] = deque(maxlen=settings.looks)
+        self._noise = sensor.range_noise_m
+        self._unreliable = sensor.range_noise_m > 0.0 or sensor.dropouts > 0.0
+        looks = settings.looks + (settings.more_looks if self._noise > 0.0 else 0)
+        self._looks: deque[Look] = deque(maxlen=looks)
         self._tracks: list[Track] = []
-        self._cutter = OverlapCutter(settings.looks)
+        self._cutter = OverlapCutter(looks)
 
     def perceive(self, scan: LaserScan, pose: Pose2D) -> Perception:
         """What this scan shows, in the light of the looks before it."""
-        now = take_look(scan, pose)
+        if self._unreliable:
+            clean = clean_scan(scan, self._noise)
+            scan = clean.scan
+            now = take_clean_look(clean, pose) if self._noise > 0.0 else take_look(scan, pose)
+        else:
+            now = take_look(scan, pose)
         previous = self._looks[-1] if self._looks else None
         visibility = visibility_matrix(now, previous, scan.bearings, self._spec.rings)
         hits = gather_hits(now)
         flows = self._flows(hits.rays, now)
         flags = self._point_flags(hits.points, flows)
+        if self._unreliable:
+            flags = drop_single(hits.first, flags)
         if previous is not None:
             for track in self._tracks:
                 track.predict(now.stamp - previous.stamp)
@@ -108,7 +129,10 @@ class Perceiver:
         """(m,) whether each hit moves, as far as it can be told."""
         flags = np.full(len(points), UNKNOWN)
         for flow in reversed(flows):  # the longer comparison has the last word
-            moved = np.where(np.abs(flow.distance) > self._settings.still, MOVING, STATIC)
+            still: FloatArray | float = self._settings.still
+            if flow.sigma is not None:
+                still = still + self._settings.certainty * flow.sigma
+            moved = np.where(np.abs(flow.distance) > still, MOVING, STATIC)
             flags = np.where(flow.known, moved, flags)
         for flow in flows:
             flags = np.where(flow.intruding, MOVING, flags)
@@ -163,6 +187,8 @@ class Perceiver:
         track.update(centre, prior, rows, rates)
         if track.speed < settings.slowest or track.speed > settings.top_speed:
             return None
+        if self._noise > 0.0 and not track.moves_for_certain(settings.significance):
+            return None
         return track
 
     def _surface_motion(
@@ -176,8 +202,11 @@ class Perceiver:
         rate = np.concatenate([flow.distance.take(hit) for flow, hit in pairs]) / elapsed
         normals = np.concatenate([flow.normals.T.take(hit, axis=1) for flow, hit in pairs], axis=1)
         rows = speed_rows(np.ascontiguousarray(normals.T), elapsed)
-        weight = (elapsed / settings.flow_sigma) ** 2
-        weight *= min(1.0, settings.independent_hits / max(len(rate), 1))
+        # Smoothing spreads one hit's noise over its neighbours, so all that the hits tell together
+        # is limited by the raw noise over their number.
+        count = max(len(rate), 1)
+        variance = settings.flow_sigma**2 * max(1.0, count / settings.independent_hits)
+        weight = elapsed**2 / (variance + 2.0 * self._noise**2)
         # Some hits are compared with another face, or another obstacle, than their own. They count
         # less: first those that contradict what is known of the mover, then those that
         # contradict the fit to the rest.

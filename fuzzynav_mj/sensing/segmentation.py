@@ -108,6 +108,18 @@ def _drop_lone(first: BoolArray, flags: IntArray) -> IntArray:
     return np.where(lone, previous, flags)
 
 
+def drop_single(first: BoolArray, flags: IntArray) -> IntArray:
+    """Says of a moving hit with no moving one beside it in its group that it is unknown: a single
+    ray may be wrong."""
+    if len(flags) == 0:
+        return flags
+    before, after = neighbours(len(flags))
+    moving = flags == MOVING
+    joined_before = ~first & moving.take(before)
+    joined_after = ~first.take(after) & moving.take(after)
+    return np.where(moving & ~joined_before & ~joined_after, UNKNOWN, flags)
+
+
 def _fill_unknown(first: BoolArray, flags: IntArray) -> IntArray:
     """Gives unknown hits the flag of their neighbours in the same group; none: STATIC."""
     _, after = neighbours(len(flags))

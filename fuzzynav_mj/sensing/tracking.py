@@ -75,6 +75,13 @@ class Track:
         """Uncertainty of the speed along a unit vector (2,), m/s."""
         return float(np.sqrt(direction @ self.covariance[:2, :2] @ direction))
 
+    def moves_for_certain(self, sigmas: float) -> bool:
+        """True if the velocity lies so many standard deviations from none at all."""
+        vx, vy = self.state[:2].tolist()
+        (xx, xy), (_, yy) = self.covariance[:2, :2].tolist()
+        squared = (yy * vx * vx - 2.0 * xy * vx * vy + xx * vy * vy) / (xx * yy - xy * xy)
+        return bool(squared >= sigmas**2)
+
     def predict(self, elapsed: float) -> None:
         """Carries the belief on to the next look."""
         self.centre = self.centre + self.velocity * elapsed
