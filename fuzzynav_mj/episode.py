@@ -23,6 +23,7 @@ from fuzzynav_mj.planners.base import NavigationProblem, Observation, Planner
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.scenarios.world import World
 from fuzzynav_mj.sensing.disturbed import Look, Sensors, perfect_sensors
+from fuzzynav_mj.sensing.lateness import brought_up
 from fuzzynav_mj.sensing.perception import Perceiver
 from fuzzynav_mj.types import (
     Contact,
@@ -37,6 +38,8 @@ from fuzzynav_mj.types import (
     Twist2D,
     WheelSpeeds,
 )
+
+NOTICEABLE = 1e-6  # s: a scan that is no older is of the present
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -154,10 +157,9 @@ def run_episode(
         ),
         planner_rng,
     )
-    perceiver = (
-        Perceiver(spec, sensor=sensors.disturbance) if planner.requires.obstacles else None
-    )
+    perceiver = Perceiver(spec, sensor=sensors.disturbance) if planner.requires.obstacles else None
     sees = planner.requires.scan or planner.requires.obstacles
+    seen: Perception | None = None
     perception: Perception | None = None
     last_scan: LaserScan | None = None
     moments: list[_Moment] = []
@@ -170,8 +172,11 @@ def run_episode(
         look = sensors.look(pose, simulation.scan if sees else None)
         scan = look.scan
         if perceiver is not None and scan is not None and scan is not last_scan:
-            perception = perceiver.perceive(scan, look.scan_estimate)
+            seen = perceiver.perceive(scan, look.scan_estimate)
             last_scan = scan
+        if seen is not None:
+            age = simulation.time - seen.scan.stamp
+            perception = brought_up(seen, look.estimate, age) if age > NOTICEABLE else seen
         decision = planner.decide(
             Observation(simulation.time, look.estimate, simulation.commanded, scan, perception)
         )

@@ -6,7 +6,7 @@ that is straight as far as the noise lets one tell; an outline's corners end suc
 """
 
 from dataclasses import dataclass, replace
-from math import cos, pi, sin, sqrt
+from math import sqrt
 
 import numpy as np
 

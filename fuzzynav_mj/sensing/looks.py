@@ -93,9 +93,7 @@ def take_clean_look(clean: CleanScan, pose: Pose2D) -> Look:
     in_line = (turn > SAME_LINE) & level
     # Corners and lone hits have no normal that can be trusted: none is compared with it.
     normals *= (turn > SAME_FACE) & level
-    return replace(
-        look, joined=both & (near | in_line), normals=normals.T, sigma=clean.sigma
-    )
+    return replace(look, joined=both & (near | in_line), normals=normals.T, sigma=clean.sigma)
 
 
 def _continues(unit: FloatArray, length: FloatArray, both: BoolArray) -> BoolArray:

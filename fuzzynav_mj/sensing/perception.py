@@ -11,8 +11,8 @@ import numpy as np
 
 from fuzzynav_mj.disturbance import PERFECT, Disturbance
 from fuzzynav_mj.robot import RobotSpec
-from fuzzynav_mj.sensing.flow import PointFlow, point_flow
 from fuzzynav_mj.sensing.cleaning import clean_scan
+from fuzzynav_mj.sensing.flow import PointFlow, point_flow
 from fuzzynav_mj.sensing.looks import Look, take_clean_look, take_look
 from fuzzynav_mj.sensing.outline import end_rates, outline_ends
 from fuzzynav_mj.sensing.segmentation import (
