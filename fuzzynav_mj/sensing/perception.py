@@ -45,6 +45,8 @@ class PerceptionSettings:
         outline_sigma: uncertainty of the place of a visible outline's end, m.
         slowest: movers below this speed count as static, m/s.
         mover_extent: the largest extent believed of a mover's visible side, m.
+        certainty: standard deviations of noise beyond `still` that show motion.
+        significance: standard deviations by which a mover's speed must differ from none.
     """
 
     looks: int = 2
@@ -57,7 +59,6 @@ class PerceptionSettings:
     outline_sigma: float = 0.017
     slowest: float = 0.04
     mover_extent: float = 0.7
-    more_looks: int = 0
     certainty: float = 2.0
     significance: float = 1.0
 
@@ -71,6 +72,7 @@ class Perceiver:
     Args:
         spec: the robot's parameters.
         settings: what is believed of movers and of the sensor.
+        sensor: the noise and the missing rays that its maker states.
     """
 
     def __init__(
@@ -83,10 +85,9 @@ class Perceiver:
         self._settings = settings
         self._noise = sensor.range_noise_m
         self._unreliable = sensor.range_noise_m > 0.0 or sensor.dropouts > 0.0
-        looks = settings.looks + (settings.more_looks if self._noise > 0.0 else 0)
-        self._looks: deque[Look] = deque(maxlen=looks)
+        self._looks: deque[Look] = deque(maxlen=settings.looks)
         self._tracks: list[Track] = []
-        self._cutter = OverlapCutter(looks)
+        self._cutter = OverlapCutter(settings.looks)
 
     def perceive(self, scan: LaserScan, pose: Pose2D) -> Perception:
         """What this scan shows, in the light of the looks before it."""
