@@ -18,9 +18,9 @@ from fuzzynav_mj.planners.guidance import Guidance, Heading
 from fuzzynav_mj.planners.motions import Motions, candidate_motions
 from fuzzynav_mj.planners.outlook import Outlook, look_ahead
 from fuzzynav_mj.planners.passing import JUDGED, Passing, ways_past
-from fuzzynav_mj.planners.peers.steering import position_after
 from fuzzynav_mj.planners.sectors import as_fuzzy_inputs, sector_distances
 from fuzzynav_mj.planners.settings import DecisionSettings
+from fuzzynav_mj.planners.steering import position_after
 from fuzzynav_mj.planners.surroundings import surroundings
 from fuzzynav_mj.types import (
     Behaviour,

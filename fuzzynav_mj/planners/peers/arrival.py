@@ -3,7 +3,7 @@
 from fuzzynav_mj.geometry import wrap_angle
 from fuzzynav_mj.planners.arrival import docking
 from fuzzynav_mj.planners.base import NavigationProblem, Observation
-from fuzzynav_mj.planners.peers.steering import position_after, twist_towards
+from fuzzynav_mj.planners.steering import position_after, twist_towards
 from fuzzynav_mj.types import Behaviour, Decision, Pose2D
 
 

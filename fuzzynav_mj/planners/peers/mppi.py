@@ -16,8 +16,8 @@ from fuzzynav_mj.planners.base import NavigationProblem, Observation, Requiremen
 from fuzzynav_mj.planners.clearance import moving_clearance, static_clearance
 from fuzzynav_mj.planners.peers.arrival import point_to_reach, turn_on_goal
 from fuzzynav_mj.planners.peers.rollout import roll_out, to_robot_frame, within_limits
-from fuzzynav_mj.planners.peers.steering import position_after
 from fuzzynav_mj.planners.sight import thin
+from fuzzynav_mj.planners.steering import position_after
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.types import Behaviour, Decision, FloatArray, Perception, Pose2D, Twist2D
 

@@ -17,8 +17,8 @@ from fuzzynav_mj.planners.base import NavigationProblem, Observation, Requiremen
 from fuzzynav_mj.planners.peers.arrival import point_to_reach, turn_on_goal
 from fuzzynav_mj.planners.peers.half_planes import HalfPlanes, box, least_violating, nearest
 from fuzzynav_mj.planners.peers.rollout import to_robot_frame
-from fuzzynav_mj.planners.peers.steering import position_after
 from fuzzynav_mj.planners.sight import thin
+from fuzzynav_mj.planners.steering import position_after
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.types import (
     Behaviour,

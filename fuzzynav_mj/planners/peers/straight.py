@@ -7,7 +7,7 @@ import numpy as np
 
 from fuzzynav_mj.planners.arrival import docking
 from fuzzynav_mj.planners.base import NavigationProblem, Observation, Requirements
-from fuzzynav_mj.planners.peers.steering import position_after, twist_towards
+from fuzzynav_mj.planners.steering import position_after, twist_towards
 from fuzzynav_mj.types import Behaviour, Decision
 
 

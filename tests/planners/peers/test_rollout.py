@@ -11,7 +11,7 @@ from fuzzynav_mj.planners.peers.rollout import (
     to_world_frame,
     within_limits,
 )
-from fuzzynav_mj.planners.peers.steering import position_after
+from fuzzynav_mj.planners.steering import position_after
 from fuzzynav_mj.robot import DEFAULT_ROBOT as SPEC
 from fuzzynav_mj.types import Pose2D, Twist2D
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from fuzzynav_mj.control import drive_towards
 from fuzzynav_mj.geometry import wrap_angle
-from fuzzynav_mj.planners.peers.steering import position_after, twist_towards
+from fuzzynav_mj.planners.steering import position_after, twist_towards
 from fuzzynav_mj.robot import DEFAULT_ROBOT as SPEC
 from fuzzynav_mj.types import Pose2D, Twist2D
 
