@@ -67,7 +67,10 @@ def test_delayed_planner_is_told_the_old_scan_and_the_present_pose(write_scenari
     for observation, step in zip(witness.observations, episode.steps, strict=True):
         assert observation.pose == step.pose == step.estimate
     first, second, third = witness.observations[:3]
-    assert first.perception is second.perception is not third.perception
+    # The first scan is told twice; what it showed is brought up to the time each time.
+    assert first.scan is second.scan is not third.scan
+    assert first.perception is not None and second.perception is not None
+    assert first.perception.visibility is second.perception.visibility
 
 
 def test_obstacles_lie_where_the_robot_saw_them_from(write_scenario: Writer) -> None:

@@ -236,7 +236,8 @@ def _choose(cost: FloatArray, outlook: Outlook, kept: BoolArray) -> int:
     if outlook.admissible.any():
         return int(np.where(outlook.admissible, cost, np.inf).argmin())
     if outlook.static_ok.any():
-        room = np.minimum(outlook.static, outlook.moving)
+        # In a pinch the worst case is contact for most: then what is expected makes the difference.
+        room = np.minimum(outlook.static, (outlook.moving + outlook.expected) / 2)
         clear = outlook.contact_step + EVASION_BONUS * kept
         order = np.lexsort((cost, -room.round(2), -clear))
         return int(order[outlook.static_ok[order]][0])

@@ -29,7 +29,8 @@ class Outlook:
         poses: (m, HORIZON, 3) robot frame: driving on until just before what stands or
             is unseen, and stopped there from then on.
         static: (m,) smallest gap to what stands, m.
-        moving: (m,) smallest gap to what moves, m.
+        moving: (m,) smallest gap to what moves, m, whichever way it goes on ...
+        expected: (m,) ... and if it goes on as expected.
         crowding: (m,) at the worst moment, how much is missing of the berth that movers are given.
         static_ok: (m,) True if the robot can stop in time.
         contact_step: (m,) period of the first contact with a mover that goes on as expected;
@@ -41,6 +42,7 @@ class Outlook:
     poses: FloatArray
     static: FloatArray
     moving: FloatArray
+    expected: FloatArray
     crowding: FloatArray
     static_ok: BoolArray
     contact_step: IntArray
@@ -83,6 +85,7 @@ def look_ahead(
         poses=poses,
         static=static,
         moving=moving.min(axis=1),
+        expected=expected.min(axis=1),
         crowding=np.maximum(berth - moving, 0.0)[:, :JUDGED].max(axis=1),
         static_ok=static_ok,
         contact_step=np.add.reduce(free, axis=1, dtype=np.intp),
