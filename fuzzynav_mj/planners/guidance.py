@@ -40,6 +40,7 @@ class GuidanceSettings:
         blind_penalty: detour that is preferred to going along a wall whose end is not in sight.
         search_gain: what a searched way must promise to save before a search is made.
         gain: how much nearer to the goal than all of the boundary a way must lead to leave it.
+        turning_gain: how much shorter the way around the other side must look to turn round.
         patience: length of boundary after which a smaller gain will do.
         settling: length after which the robot surely drives along the boundary.
         loop_radius: how near to its start a followed boundary counts as closed.
@@ -52,10 +53,26 @@ class GuidanceSettings:
     search_gain: float = 0.15
     blind_penalty: float = 0.3
     gain: float = 0.15
+    turning_gain: float = 0.1
     patience: float = 6.0
     settling: float = 0.6
     loop_radius: float = 0.25
     loop_length: float = 1.5
+
+
+@dataclass(frozen=True, slots=True)
+class Alternative:
+    """The way around the other end of a boundary, not taken when following began.
+
+    Attributes:
+        place: (x, y) from where it was seen.
+        edge: (x, y) a point of the boundary next to it.
+        cost: its length to the edge of sight and what was left from there to the goal, m.
+    """
+
+    place: tuple[float, float]
+    edge: tuple[float, float]
+    cost: float
 
 
 @dataclass(slots=True)
@@ -71,6 +88,8 @@ class Following:
         length: distance travelled along the boundary since `start`, m; driving back counts back.
         farthest: largest distance from `start` so far, m.
         direction: unit vector of the way taken last.
+        alternative: the way around the other side, as long as that may be tried.
+        closed: True once the robot has been all around.
     """
 
     side: int
@@ -81,12 +100,23 @@ class Following:
     length: float = 0.0
     farthest: float = 0.0
     direction: tuple[float, float] = (0.0, 0.0)
+    alternative: Alternative | None = None
+    closed: bool = False
 
     def begin_anew(self, place: tuple[float, float], distance: float) -> None:
         """Forgets what belongs to another boundary; `distance` to the goal, m."""
         self.start = place
         self.nearest = self.reached = distance
         self.length = self.farthest = 0.0
+        self.alternative = None
+
+    def turn_round(self, place: tuple[float, float], other: Alternative) -> None:
+        """Follows the boundary around its other side, from `place` on. Only once."""
+        self.side = -self.side
+        self.start, self.edge = place, other.edge
+        self.length = self.farthest = 0.0
+        self.direction = (0.0, 0.0)
+        self.alternative = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,13 +210,17 @@ class Guidance:
                 gaining &= ~sight.hidden  # what a mover hides is no reason to leave
             if gaining.any():
                 self._following = None
+                if not following.closed:
+                    self._closed_loops = 0  # those were around other boundaries
                 best = int(np.where(gaining, cost, np.inf).argmin())
                 return self._heading(place, ways.first_point(best), "goal")
-            self._watch_loop(place, gone, following)
+            self._watch_loop(place, distance, gone, following)
             edge = following.edge
             chosen = self._along(place, sight, ways, following)
             if among_movers and not _same_boundary(place, sight, edge, following.edge):
                 following.begin_anew(place, distance)
+            if self._other_side_pays(place, sight, float(cost[chosen]), following):
+                chosen = self._along(place, sight, ways, following)
         bearing = float(sight.bearings[chosen])
         following.direction = (cos(bearing), sin(bearing))
         return self._heading(place, ways.first_point(chosen), "boundary")
@@ -279,9 +313,57 @@ class Guidance:
         edge = _blocking_point(place, sight, closed)
         distance = float(np.hypot(*goal))
         self._following = Following(side, place, edge, distance, distance)
+        self._following.alternative = self._other_side(place, goal, sight, ways, side)
         self._bearing = None
         self._watch_boundary(place, goal, sight, self._following)
         return self._following
+
+    def _other_side(
+        self,
+        place: tuple[float, float],
+        goal: FloatArray,
+        sight: Sight,
+        ways: Ways,
+        side: int,
+    ) -> Alternative | None:
+        """The first way beyond the other end of what is in the way to the goal."""
+        ahead = _ray(atan2(goal[1], goal[0]), sight)
+        beyond = (ahead - side * np.arange(len(sight.bearings) // 2)) % len(sight.bearings)
+        if not ways.open[beyond].any():
+            return None
+        steps = int(ways.open[beyond].argmax())
+        ray = int(beyond[steps])
+        edge = _blocking_point(place, sight, int(beyond[max(steps - 1, 0)]))
+        left_over = np.hypot(*(ways.end[ray] - goal))
+        return Alternative(place, edge, float(ways.length[ray] + left_over))
+
+    def _other_side_pays(
+        self, place: tuple[float, float], sight: Sight, cost: float, following: Following
+    ) -> bool:
+        """Turns round if the way around the other side now looks shorter, and is in straight reach.
+
+        Only once for a boundary, so that this never goes on for ever.
+
+        Args:
+            place: of the robot, world frame, m.
+            sight: what stands.
+            cost: of the way chosen along the boundary, and on to the goal, m.
+            following: the boundary.
+        """
+        other = following.alternative
+        if other is None or following.length < self._settings.settling:
+            return False
+        x, y = other.place[0] - place[0], other.place[1] - place[1]
+        back = hypot(x, y)
+        if cost < back + other.cost + self._settings.turning_gain:
+            return False
+        if back > sight.max_range:
+            return False
+        free = free_distance(sight.points, np.array([atan2(y, x)]), self._settings.tight)[0]
+        if free < back - self._tolerance:
+            return False
+        following.turn_round(place, other)
+        return True
 
     def _to_beat(self, following: Following) -> float:
         """Distance to the goal that a way must undercut for the boundary to be left, m.
@@ -304,7 +386,9 @@ class Guidance:
         left_over = np.hypot(part[:, 0] - goal[0], part[:, 1] - goal[1])
         following.nearest = min(following.nearest, float(left_over.min()))
 
-    def _watch_loop(self, place: tuple[float, float], gone: float, following: Following) -> None:
+    def _watch_loop(
+        self, place: tuple[float, float], distance: float, gone: float, following: Following
+    ) -> None:
         if gone > 0.0 and following.length < self._settings.settling:
             following.start = place  # only now does the robot drive along the boundary
         away = hypot(place[0] - following.start[0], place[1] - following.start[1])
@@ -315,9 +399,12 @@ class Guidance:
             and following.farthest > 2 * settings.loop_radius
             and away < settings.loop_radius
         ):
+            # Movers may have made it begin elsewhere: what counts the second time round is only
+            # what is seen of this boundary then.
             self._closed_loops += 1
+            following.closed = True
             following.side = -following.side
-            following.length = following.farthest = 0.0
+            following.begin_anew(place, distance)
 
     def _along(
         self, place: tuple[float, float], sight: Sight, ways: Ways, following: Following

@@ -46,7 +46,7 @@ class DecisionSettings:
     reverse_cost: float = 0.10
     waiting_cost: float = 0.3
     change_cost: float = 0.02
-    passing_time: float = 1.0
+    passing_time: float = 0.5
     passing_length: float = 0.5
     passing_weight: float = 1.0
     progress_steps: int = 8
