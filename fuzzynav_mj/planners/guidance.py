@@ -26,6 +26,7 @@ from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
 BOUNDARY_LOST = 0.1  # m beyond sight
 BOUNDARY_GAP = 0.3  # m: parts farther from each other are different boundaries
+DOUBTS = 2  # looks that see no way on before a boundary is followed: one may be mistaken
 SAME_WAY = 0.87  # cosine of the largest angle between bearings of what is still the same way
 
 
@@ -48,7 +49,7 @@ class GuidanceSettings:
     """
 
     comfortable: float = 0.20
-    tight: float = 0.15
+    tight: float = 0.13
     tight_penalty: float = 0.10
     search_gain: float = 0.15
     blind_penalty: float = 0.3
@@ -158,6 +159,8 @@ class Guidance:
         self._closed_loops = 0
         self._last: tuple[float, float] | None = None
         self._bearing: float | None = None  # of the way taken last while seeking the goal
+        self._onward_to: tuple[float, float] | None = None  # the subgoal of that way
+        self._doubts = 0  # looks since then that saw no way
 
     def head(self, place: tuple[float, float], sight: Sight, among_movers: bool = False) -> Heading:
         """The subgoal at `place` (x, y) with what is in sight.
@@ -197,7 +200,11 @@ class Guidance:
             bearing = float(sight.bearings[best])
             if left_over[best] < distance and not self._turned_back(bearing):
                 self._bearing = bearing
-                return self._heading(place, ways.first_point(best), "goal")
+                return self._onward(place, ways.first_point(best))
+            if self._onward_to is not None and self._doubts < DOUBTS:
+                self._doubts += 1
+                onward = np.array(self._onward_to) - np.array(place)
+                return self._heading(place, onward, "goal")
             chosen = self._kept(sight, ways, best)
             following = self._begin(place, goal, sight, ways, chosen)
         else:
@@ -224,6 +231,12 @@ class Guidance:
         bearing = float(sight.bearings[chosen])
         following.direction = (cos(bearing), sin(bearing))
         return self._heading(place, ways.first_point(chosen), "boundary")
+
+    def _onward(self, place: tuple[float, float], target: FloatArray) -> Heading:
+        """Towards the goal, by this point; it will be kept to for a look or two that see no way."""
+        heading = self._heading(place, target, "goal")
+        self._onward_to, self._doubts = heading.subgoal, 0
+        return heading
 
     def _turned_back(self, bearing: float) -> bool:
         """True if the way to the goal now leads more than a right angle off the one just taken:
@@ -314,7 +327,7 @@ class Guidance:
         distance = float(np.hypot(*goal))
         self._following = Following(side, place, edge, distance, distance)
         self._following.alternative = self._other_side(place, goal, sight, ways, side)
-        self._bearing = None
+        self._bearing = self._onward_to = None
         self._watch_boundary(place, goal, sight, self._following)
         return self._following
 
