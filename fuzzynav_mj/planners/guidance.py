@@ -85,7 +85,8 @@ class Following:
         start: (x, y) where the robot first drove along the boundary.
         edge: (x, y) a point of the boundary next to the way taken.
         nearest: smallest distance to the goal of any point seen of the boundary, m.
-        reached: smallest distance to the goal of the robot itself while following, m.
+        reached: smallest distance to the goal of the robot itself, and of the ways taken, while
+            following, m.
         length: distance travelled along the boundary since `start`, m; driving back counts back.
         farthest: largest distance from `start` so far, m.
         direction: unit vector of the way taken last.
@@ -160,6 +161,8 @@ class Guidance:
         self._last: tuple[float, float] | None = None
         self._bearing: float | None = None  # of the way taken last while seeking the goal
         self._onward_to: tuple[float, float] | None = None  # the subgoal of that way
+        # Side of the boundary from which movers drove the robot off last, and where.
+        self._driven_off: tuple[int, tuple[float, float]] | None = None
         self._doubts = 0  # looks since then that saw no way
 
     def head(self, place: tuple[float, float], sight: Sight, among_movers: bool = False) -> Heading:
@@ -177,8 +180,10 @@ class Guidance:
         distance = float(np.hypot(*goal))
         if self._following is not None:
             edge = self._following.edge
-            if hypot(edge[0] - place[0], edge[1] - place[1]) > sight.max_range + BOUNDARY_LOST:
+            away = hypot(edge[0] - place[0], edge[1] - place[1])
+            if away > sight.max_range + BOUNDARY_LOST or len(sight.points) == 0:
                 # Movers have driven the robot off: what it sees now is another boundary.
+                self._driven_off = (self._following.side, place)
                 self._following = None
             else:
                 self._watch_boundary(place, goal, sight, self._following)
@@ -205,7 +210,9 @@ class Guidance:
                 self._doubts += 1
                 onward = np.array(self._onward_to) - np.array(place)
                 return self._heading(place, onward, "goal")
-            chosen = self._kept(sight, ways, best)
+            chosen = self._way_of_before(place, goal, sight, ways)
+            if chosen is None:
+                chosen = self._kept(sight, ways, best)
             following = self._begin(place, goal, sight, ways, chosen)
         else:
             along = following.direction
@@ -224,8 +231,11 @@ class Guidance:
             self._watch_loop(place, distance, gone, following)
             edge = following.edge
             chosen = self._along(place, sight, ways, following)
+            following.reached = min(following.reached, float(left_over[chosen]))
             if among_movers and not _same_boundary(place, sight, edge, following.edge):
+                self._driven_off = (following.side, place)
                 following.begin_anew(place, distance)
+                self._watch_boundary(place, goal, sight, following)
             if self._other_side_pays(place, sight, float(cost[chosen]), following):
                 chosen = self._along(place, sight, ways, following)
         bearing = float(sight.bearings[chosen])
@@ -244,6 +254,22 @@ class Guidance:
         if self._bearing is None:
             return False
         return cos(bearing - self._bearing) < 0.0
+
+    def _way_of_before(
+        self, place: tuple[float, float], goal: FloatArray, sight: Sight, ways: Ways
+    ) -> int | None:
+        """The first open way to the side on which the robot was going around when movers drove it
+        off its boundary not far from here; None where there is no such side or way."""
+        before, self._driven_off = self._driven_off, None
+        if before is None:
+            return None
+        side, (x, y) = before
+        if hypot(x - place[0], y - place[1]) > 2 * sight.max_range:
+            return None
+        count = len(sight.bearings)
+        turned = (_ray(atan2(goal[1], goal[0]), sight) + side * np.arange(1, count // 2)) % count
+        steps = int(ways.open[turned].argmax())
+        return int(turned[steps]) if ways.open[turned[steps]] else None
 
     def _kept(self, sight: Sight, ways: Ways, best: int) -> int:
         """The open way nearest to the one just taken, if it still leads on; else the best one."""
@@ -386,7 +412,10 @@ class Guidance:
         long while the robot's own smallest distance counts, as in DistBug.
         """
         patient = following.length < self._settings.patience
-        return following.nearest if patient else following.reached
+        if patient:
+            return following.nearest
+        # A way may keep closer to the wall than the robot did.
+        return following.reached - (self._settings.comfortable - self._settings.tight)
 
     def _watch_boundary(
         self, place: tuple[float, float], goal: FloatArray, sight: Sight, following: Following
