@@ -1,4 +1,4 @@
-"""Margins and weights of the multilayer decision."""
+"""Margins and weights of the multilayer decision and of its guidance."""
 
 from dataclasses import dataclass
 
@@ -52,3 +52,34 @@ class DecisionSettings:
     progress_steps: int = 8
     stuck_time: float = 45.0
     stuck_radius: float = 0.3
+
+
+@dataclass(frozen=True, slots=True)
+class GuidanceSettings:
+    """Widths and gains of the guidance, m.
+
+    Attributes:
+        comfortable: half width of a passage that is taken without hesitation.
+        tight: half width of the narrowest passage that is taken at all.
+        tight_penalty: detour that is preferred to a tight passage.
+        blind_penalty: detour that is preferred to going along a wall whose end is not in sight.
+        search_gain: what a searched way must promise to save before a search is made.
+        gain: how much nearer to the goal than all of the boundary a way must lead to leave it.
+        turning_gain: how much shorter the way around the other side must look to turn round.
+        patience: length of boundary after which a smaller gain will do.
+        settling: length after which the robot surely drives along the boundary.
+        loop_radius: how near to its start a followed boundary counts as closed.
+        loop_length: shortest boundary that can be closed.
+    """
+
+    comfortable: float = 0.20
+    tight: float = 0.13
+    tight_penalty: float = 0.10
+    search_gain: float = 0.15
+    blind_penalty: float = 0.3
+    gain: float = 0.15
+    turning_gain: float = 0.1
+    patience: float = 6.0
+    settling: float = 0.6
+    loop_radius: float = 0.25
+    loop_length: float = 1.5

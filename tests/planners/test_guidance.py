@@ -2,12 +2,14 @@
 
 import pickle
 from itertools import pairwise
-from math import hypot
+from math import hypot, inf
 
 import pytest
 from point_world import Point, Walk, box, sight_at, walk, walls
 
-from fuzzynav_mj.planners.guidance import Following, Guidance
+from fuzzynav_mj.planners.boundary import Following
+from fuzzynav_mj.planners.guidance import Guidance
+from fuzzynav_mj.planners.settings import GuidanceSettings
 from fuzzynav_mj.types import FloatArray
 
 TOUCH = 0.11  # m: half the robot's side and a centimetre
@@ -260,17 +262,19 @@ def test_driving_to_and_fro_closes_no_loop() -> None:
 
 POCKET = walls(
     box(-6.0, -6.0, 8.0, 6.0),
-    box(0.0, -1.6, 0.2, 0.6),
-    box(-1.2, -1.6, 0.0, -1.4),
+    strips((0.0, 1.6), (0.0, -1.5), (-3.0, -1.5), half=0.1),
 )
 
 
 def test_robot_turns_round_where_the_other_side_turns_out_shorter() -> None:
-    """The wall ends out of sight to the left; to the right it bends back towards the robot."""
-    result = go((POCKET, (-2.0, -0.5), (4.0, -0.9)))
-    assert result.arrived
-    # Round the left end it is 6.8 m; in and out of the corner and round the right end 11 m.
-    assert result.length < 9.0
+    """The robot comes down along a wall that bends back by 3 m, out of sight."""
+    start, goal = (-0.4, 0.3), (4.0, -0.55)
+    turning = go((POCKET, start, goal))
+    settings = GuidanceSettings(turning_gain=inf)
+    stubborn = walk(Guidance(goal, 0.1, settings), POCKET, start, goal, 1200)
+    assert turning.arrived and stubborn.arrived
+    assert turning.length < stubborn.length - 2.0
+    assert turning.headings[-1].closed_loops == 0
 
 
 def test_one_look_that_sees_no_way_changes_nothing() -> None:
@@ -282,3 +286,40 @@ def test_one_look_that_sees_no_way_changes_nothing() -> None:
     assert first.mode == "goal" and not first.direct
     assert [heading.mode for heading in headings] == ["goal", "goal", "boundary"]
     assert headings[1].subgoal == pytest.approx(first.subgoal)
+
+
+LONG_WALL = box(0.0, -4.0, 0.2, 4.0)
+
+
+def test_side_is_kept_when_movers_drive_the_robot_off() -> None:
+    """Out of sight of the wall and back to it again: still the same way round."""
+    goal = (3.0, 0.0)
+    guidance = Guidance(goal, 0.1)
+    x, y = walk(guidance, LONG_WALL, (-0.3, 0.02), goal, 20).places[-1]
+    side = following(guidance).side
+    assert abs(y) > 0.7
+    walk(guidance, LONG_WALL, (x - 1.0, y), goal, 1)
+    assert guidance._following is None
+    # Back at the wall, the goal first leads along it the other way.
+    back = walk(guidance, LONG_WALL, (-0.3, y), goal, 30)
+    assert not back.headings[0].direct and back.headings[0].mode == "goal"
+    assert following(guidance).side == side
+
+
+def test_no_boundary_is_followed_out_of_sight_of_all_that_stands() -> None:
+    goal = (3.0, 0.0)
+    guidance = Guidance(goal, 0.1)
+    walk(guidance, LONG_WALL, (-0.3, 0.0), goal, 20)
+    assert following(guidance).length > 0.5
+    heading = guidance.head((-2.0, 0.5), sight_at(LONG_WALL, (-2.0, 0.5)))
+    assert heading.mode == "goal" and guidance._following is None
+
+
+def test_boundary_left_without_having_been_all_around_clears_the_count_of_loops() -> None:
+    """Loops around two obstacles in turn are no proof that there is no path."""
+    goal = (3.0, 0.0)
+    guidance = Guidance(goal, 0.1)
+    guidance._closed_loops = 1
+    result = walk(guidance, box(0.0, -1.0, 0.2, 1.0), (-0.3, 0.0), goal, 400)
+    assert result.was("boundary") and result.arrived
+    assert result.headings[-1].closed_loops == 0

@@ -1,0 +1,72 @@
+"""What a look promises of the ways on both sides of what is in the way to the goal."""
+
+from math import cos, hypot, inf, sin
+
+import numpy as np
+
+from fuzzynav_mj.compiled import compiled
+from fuzzynav_mj.planners.sight import range_jumps
+from fuzzynav_mj.types import BoolArray, FloatArray
+
+
+@compiled
+def promises(
+    ranges: FloatArray,
+    bearings: FloatArray,
+    max_range: float,
+    width: float,
+    is_open: BoolArray,
+    length: FloatArray,
+    end: FloatArray,
+    goal: FloatArray,
+) -> tuple[float, float]:
+    """Shortest way to the goal, m, by ground that a ray sees free and no straight way reaches; and
+    by the ways that there are. Each inf where there is none."""
+    promised = have = inf
+    jump, _ = range_jumps(ranges, width)
+    for i in range(len(ranges)):
+        have = min(have, length[i] + hypot(end[i, 0] - goal[0], end[i, 1] - goal[1]))
+        if not is_open[i] and (jump[i] or ranges[i] >= max_range - 1e-9):
+            x, y = max_range * cos(bearings[i]), max_range * sin(bearings[i])
+            promised = min(promised, max_range + hypot(x - goal[0], y - goal[1]))
+    return promised, have
+
+
+@compiled
+def blind_ways(
+    goal_ray: int, ranges: FloatArray, max_range: float, is_open: BoolArray
+) -> BoolArray:
+    """(n,) True for the ways on a side of the goal's direction on which the obstacle in the way
+    runs on beyond sight: there may be no end to it.
+
+    Args:
+        goal_ray: the ray towards the goal.
+        ranges: (n,) m.
+        max_range: m.
+        is_open: (n,) where ways lead on.
+    """
+    count = len(ranges)
+    blind = np.zeros(count, dtype=np.bool_)
+    if is_open[goal_ray]:
+        return blind
+    for side in (1, -1):
+        hits = np.empty(count // 2, dtype=np.intp)  # how far from the goal's ray
+        found = 0
+        for step in range(count // 2):
+            ray = (goal_ray + side * step) % count
+            if is_open[ray]:
+                break
+            if ranges[ray] < max_range - 1e-9:
+                hits[found] = step
+                found += 1
+        else:
+            found = 0  # no way at all on this side
+        if found == 0:
+            continue
+        last, before = hits[found - 1], hits[max(found - 4, 0)]
+        farthest = ranges[(goal_ray + side * last) % count]
+        rise = farthest - ranges[(goal_ray + side * before) % count]
+        if found < 4 or farthest + 2.0 * rise / max(last - before, 1) > max_range:
+            for step in range(count // 2):
+                blind[(goal_ray + side * step) % count] = True
+    return blind
