@@ -97,11 +97,9 @@ class Following:
         Args:
             place: of the robot, world frame, m.
             goal: (2,) from there, m.
-            sight: what stands.
+            sight: what stands; there is something.
             settings: widths.
         """
-        if len(sight.points) == 0:
-            return
         edge = np.array(self.edge) - np.array(place)
         part = _connected(sight.points, edge, 2 * settings.tight)
         left_over = np.hypot(part[:, 0] - goal[0], part[:, 1] - goal[1])
@@ -183,8 +181,6 @@ def same_boundary(
     other: Point,
 ) -> bool:
     """True if the two points of boundaries hang together as far as can be seen."""
-    if len(sight.points) == 0:
-        return True
     part = _connected(sight.points, np.array(one) - np.array(place), BOUNDARY_GAP)
     offset = part - (np.array(other) - np.array(place))
     return bool(np.hypot(offset[:, 0], offset[:, 1]).min() < BOUNDARY_GAP)
@@ -196,12 +192,16 @@ def ray_at(bearing: float, sight: Sight) -> int:
     return round((bearing - float(sight.bearings[0])) * count / (2 * pi)) % count
 
 
+def rays_beside(goal: FloatArray, sight: Sight, side: int) -> IntArray:
+    """(n / 2,) rays from the goal's direction on to one side: +1 is left, -1 right."""
+    count = len(sight.bearings)
+    return (ray_at(atan2(goal[1], goal[0]), sight) + side * np.arange(count // 2)) % count
+
+
 def blocking_point(place: Point, sight: Sight, ray: int) -> Point:
     """World-frame point of the obstacle that closes the way at this ray."""
     bearing = float(sight.bearings[ray])
     c, s = float(np.cos(bearing)), float(np.sin(bearing))
-    if len(sight.points) == 0:
-        return (place[0] + c * sight.max_range, place[1] + s * sight.max_range)
     along = sight.points[:, 0] * c + sight.points[:, 1] * s
     across = np.abs(sight.points[:, 1] * c - sight.points[:, 0] * s)
     nearest = int(np.where(along > 0.0, across, np.inf).argmin())

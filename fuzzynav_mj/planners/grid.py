@@ -79,6 +79,17 @@ def grid_around(radius: float) -> Grid:
 
 
 @compiled
+def note_nearest(squared: FloatArray, axis: FloatArray, x: float, y: float, reach: int) -> None:
+    """Lowers the squared distances (n, n) of the cells to their nearest point, m2, by the point at
+    (x, y), up to `reach` rows and columns from it. `axis` (n,) as in `Grid`."""
+    size, half = len(axis), len(axis) // 2
+    i, j = round(x / CELL) + half, round(y / CELL) + half
+    for a in range(max(i - reach, 0), min(i + reach + 1, size)):
+        for b in range(max(j - reach, 0), min(j + reach + 1, size)):
+            squared[a, b] = min(squared[a, b], (axis[a] - x) ** 2 + (axis[b] - y) ** 2)
+
+
+@compiled
 def _cheapest(toll: FloatArray, moves: IntArray, steps: FloatArray) -> tuple[FloatArray, IntArray]:
     """See `Grid.cheapest`. Cells to which a cheaper way was found wait in a queue, each once, to
     pass that on (Bellman and Ford's method); on a grid this small it beats a heap."""

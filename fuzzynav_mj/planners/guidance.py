@@ -1,9 +1,9 @@
 """Where to head for: towards the goal, or along a boundary until that pays again.
 
 A bug algorithm with a range sensor (Kamon, Rimon, Rivlin 1998, TangentBug; the leaving condition
-with a minimum gain is DistBug's, Kamon, Rivlin 1997). Its memory is of constant size: mode, side,
-the point where following began, the smallest distance to the goal, and one point of the followed
-boundary. Movers and the fuzzy gate may hold the robot up; they never touch this state.
+with a minimum gain is DistBug's, Kamon, Rivlin 1997). Its memory is of constant size: what
+`boundary.Following` holds of the followed boundary, the way taken last, and the side gone round
+when movers drove the robot off. The fuzzy gate may hold the robot up; it never touches this state.
 """
 
 from dataclasses import dataclass
@@ -18,6 +18,7 @@ from fuzzynav_mj.planners.boundary import (
     Point,
     blocking_point,
     ray_at,
+    rays_beside,
     same_boundary,
 )
 from fuzzynav_mj.planners.openings import blind_ways, promises
@@ -46,7 +47,7 @@ class Heading:
         subgoal: (x, y) world frame; the present place where no way leads on.
         mode: what leads the robot.
         direct: True if the goal itself is in straight reach, as far as can be seen.
-        closed_loops: how many boundaries have been followed all around.
+        closed_loops: how often a boundary was followed all around, since one was last left before.
     """
 
     subgoal: Point
@@ -199,8 +200,7 @@ class Guidance:
         side, (x, y) = before
         if hypot(x - place[0], y - place[1]) > 2 * sight.max_range:
             return None
-        count = len(sight.bearings)
-        turned = (ray_at(atan2(goal[1], goal[0]), sight) + side * np.arange(1, count // 2)) % count
+        turned = rays_beside(goal, sight, side)[1:]
         steps = int(ways.open[turned].argmax())
         return int(turned[steps]) if ways.open[turned[steps]] else None
 
@@ -296,8 +296,7 @@ class Guidance:
         side: int,
     ) -> Alternative | None:
         """The first way beyond the other end of what is in the way to the goal."""
-        ahead = ray_at(atan2(goal[1], goal[0]), sight)
-        beyond = (ahead - side * np.arange(len(sight.bearings) // 2)) % len(sight.bearings)
+        beyond = rays_beside(goal, sight, -side)
         if not ways.open[beyond].any():
             return None
         steps = int(ways.open[beyond].argmax())

@@ -14,11 +14,11 @@ from math import hypot, pi
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
+from fuzzynav_mj.planners.grid import CELL, note_nearest
 from fuzzynav_mj.planners.settings import DecisionSettings
 from fuzzynav_mj.planners.sight import Sight
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
-CELL = 0.05  # m
 STRIDE = 3  # decision periods in a step; so many cells are driven in it at top speed
 STEPS = 10
 OUTLOOK = STRIDE * STEPS  # decision periods foreseen
@@ -146,34 +146,25 @@ def _passable(ground: _Ground, sight: Sight) -> BoolArray:
 @compiled
 def _block(passable: BoolArray, axis: FloatArray, points: FloatArray, radius: float) -> None:
     """Clears the cells that lie within the radius of a point (k, 2)."""
-    half, reach = len(axis) // 2, int(radius / CELL) + 1
+    squared = np.full(passable.shape, radius**2)
     for k in range(len(points)):
-        x, y = points[k, 0], points[k, 1]
-        i, j = round(x / CELL) + half, round(y / CELL) + half
-        for a in range(max(i - reach, 0), min(i + reach + 1, len(axis))):
-            for b in range(max(j - reach, 0), min(j + reach + 1, len(axis))):
-                if (axis[a] - x) ** 2 + (axis[b] - y) ** 2 < radius**2:
-                    passable[a, b] = False
+        note_nearest(squared, axis, points[k, 0], points[k, 1], int(radius / CELL) + 1)
+    passable &= squared >= radius**2
 
 
 @compiled
 def _gaps(axis: FloatArray, expected: FloatArray) -> FloatArray:
     """(STEPS + 1, n, n) smallest gaps between the disc and movers around each step's end; at most
     `NEARBY`."""
-    size, half = len(axis), len(axis) // 2
-    farthest = (NEARBY + DISC) ** 2
+    size = len(axis)
     reach = int((NEARBY + DISC) / CELL)
-    gaps = np.full((STEPS + 1, size, size), farthest)
+    gaps = np.full((STEPS + 1, size, size), (NEARBY + DISC) ** 2)
     for step in range(JOINED + 1, STEPS + 1):
         first = step * STRIDE - 2
         for period in range(first, min(first + STRIDE, len(expected))):
             for k in range(expected.shape[1]):
                 x, y = expected[period, k, 0], expected[period, k, 1]
-                i, j = round(x / CELL) + half, round(y / CELL) + half
-                for a in range(max(i - reach, 0), min(i + reach + 1, size)):
-                    for b in range(max(j - reach, 0), min(j + reach + 1, size)):
-                        squared = (axis[a] - x) ** 2 + (axis[b] - y) ** 2
-                        gaps[step, a, b] = min(gaps[step, a, b], squared)
+                note_nearest(gaps[step], axis, x, y, reach)
     gaps[:] = np.sqrt(gaps) - DISC
     return gaps
 

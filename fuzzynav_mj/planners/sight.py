@@ -9,7 +9,7 @@ from math import floor, pi, sqrt
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
-from fuzzynav_mj.planners.grid import CELL, Grid, grid_around
+from fuzzynav_mj.planners.grid import CELL, Grid, grid_around, note_nearest
 from fuzzynav_mj.planners.reach import free_distance, free_on_rays
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
@@ -204,20 +204,16 @@ def _tolls(
         width: that must be kept clear, m.
         comfortable: up to here ground costs more, m.
     """
-    size, half, count = len(axis), len(axis) // 2, len(ranges)
-    gap = np.full(size * size, comfortable**2)
+    size, count = len(axis), len(ranges)
+    squared = np.full((size, size), comfortable**2)
     reach = int(comfortable / CELL) + 1
     for k in range(len(points)):
-        x, y = points[k, 0], points[k, 1]
-        i, j = round(x / CELL) + half, round(y / CELL) + half
-        for a in range(max(i - reach, 0), min(i + reach + 1, size)):
-            for b in range(max(j - reach, 0), min(j + reach + 1, size)):
-                squared = (axis[a] - x) ** 2 + (axis[b] - y) ** 2
-                gap[a * size + b] = min(gap[a * size + b], squared)
+        note_nearest(squared, axis, points[k, 0], points[k, 1], reach)
+    gap = np.sqrt(squared).ravel()
     toll, ray = np.full(size * size, np.inf), np.empty(size * size, dtype=np.intp)
     for cell in range(size * size):
         ray[cell] = floor((bearing[cell] - turn) * (count / (2 * pi)) + 0.5) % count
-        room = sqrt(gap[cell])
+        room = gap[cell]
         free = distance[cell] <= ranges[ray[cell]] + 1e-9 and room >= width
         if free or distance[cell] < 1.5 * CELL:  # where the robot stands it may stand
             toll[cell] = 1.0 + 2.0 * min((comfortable - room) / (comfortable - width), 1.0)
