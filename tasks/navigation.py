@@ -10,7 +10,6 @@ from dm_control import composer, mjcf
 from dm_control.composer.observation import observable
 from dm_env import specs
 
-from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.control import SpeedProfile, drive_towards, wheel_speeds, wheel_table
 from fuzzynav_mj.episode import BlockTruth
 from fuzzynav_mj.errors import FuzzyNavError
@@ -21,10 +20,10 @@ from fuzzynav_mj.scenarios.world import World, make_world
 from fuzzynav_mj.sensing.lidar import Lidar
 from fuzzynav_mj.tasks.arena import NavigationArena
 from fuzzynav_mj.tasks.robot import DiffDrive
+from fuzzynav_mj.tasks.stepping import native, take_steps, true_motion
 from fuzzynav_mj.types import (
     Contact,
     FloatArray,
-    IntArray,
     LaserScan,
     Outcome,
     Pose2D,
@@ -173,7 +172,9 @@ class NavigateToGoal(composer.Task):
             touching.append(self._arena.mjcf_model.find("geom", "floor"))
             for geom in touching:
                 model.geom_friction[model.geom(geom.full_identifier).id, 0] = self._friction
-        self._ctrl = data.ctrl
+        self._natives = native("mj_step2"), native("mj_step1"), model._address, data._address
+        self._ctrl, self._speed = data.ctrl, data.qvel
+        self._warnings = data.warning.number
         actuators = [model.actuator(a.full_identifier).id for a in self._robot.actuators]
         self._wheel_order = np.argsort(actuators)  # the wheel behind each actuator
         hit = model.sensor(self._robot.mjcf_model.find("sensor", "hit").full_identifier)
@@ -184,8 +185,9 @@ class NavigateToGoal(composer.Task):
             for body in self._arena.mover_bodies
         ]
         self._mocap_order = np.argsort(mocap_ids)  # the mover behind each mocap body
-        self._mocap_places = data.mocap_pos[:, :2]
+        self._mocap_places = data.mocap_pos
         self._scan: LaserScan | None = None
+        self._pose: Pose2D | None = None
 
     def initialize_episode(
         self, physics: mjcf.Physics, random_state: np.random.RandomState
@@ -204,8 +206,8 @@ class NavigateToGoal(composer.Task):
         physics.data.ptr.qpos[self._place_slice] = (
             start.x, start.y, 0.0, cos(start.yaw / 2), 0.0, 0.0, sin(start.yaw / 2)
         )  # fmt: skip
-        self._mocap_places[:] = self._mover_rows(0, 1)[0].take(self._mocap_order, axis=0)
-        self._scan = None
+        self._mocap_places[:, :2] = self._mover_rows(0, 1)[0].take(self._mocap_order, axis=0)
+        self._pose = self._scan = None
 
     # One decision period -------------------------------------------------------------------
 
@@ -230,39 +232,30 @@ class NavigateToGoal(composer.Task):
     def advance(self) -> BlockTruth:
         """Takes the physics steps of one decision period, or fewer where contact ends them.
 
-        Obstacles move and contact is checked on every step. A step here begins with the forces
-        and ends with the positions, the contact sensor among them, of the state it leads to; so
-        first contact is read before any force of it has acted.
+        Obstacles move and contact is checked on every step, as `take_steps` says.
         """
-        model, data = self._model, self._data
-        steps = self.spec.substeps
-        movers = self._mover_rows(self._step + 1, steps)
-        mocap = movers.take(self._mocap_order, axis=1)
-        wheels = wheel_table(self.profile, self.spec).take(self._wheel_order, axis=1)
-        places, speeds = np.empty((steps, 7)), np.empty((steps, model.nv))
-        hit, ctrl, mocap_places = self._hit, self._ctrl, self._mocap_places
-        place, speed = self._place, data.qvel
-        before, after = mujoco.mj_step2, mujoco.mj_step1
-        taken = 0
-        for wheel, targets, place_row, speed_row in zip(wheels, mocap, places, speeds, strict=True):
-            ctrl[:] = wheel
-            before(model, data)
-            mocap_places[:] = targets
-            after(model, data)
-            place_row[:] = place
-            speed_row[:] = speed
-            taken += 1
-            if hit.item() > 0.0:
-                self._contact = self._read_contact()
-                break
-        self._step += taken
-        # Warnings tell of numbers that are too large, not only of those that are not finite.
-        self._diverged = bool(data.warning.number[_DIVERGENCE].any())
-        self._scan = None
         spec = self.spec
-        poses, rates, slip = _truth(
-            places[:taken],
-            speeds[:taken],
+        movers = self._mover_rows(self._step + 1, spec.substeps)
+        places, speeds = take_steps(
+            *self._natives,
+            self._ctrl,
+            wheel_table(self.profile, spec).take(self._wheel_order, axis=1),
+            self._mocap_places,
+            movers.take(self._mocap_order, axis=1),
+            self._hit,
+            self._place,
+            self._speed,
+        )
+        taken = len(places)
+        self._step += taken
+        if self._hit.item() > 0.0:
+            self._contact = self._read_contact()
+        # Warnings tell of numbers that are too large, not only of those that are not finite.
+        self._diverged = bool(self._warnings.take(_DIVERGENCE).any())
+        self._pose = self._scan = None
+        poses, rates, slip = true_motion(
+            places,
+            speeds,
             self._speed_slice.start,
             self._wheel_dofs,
             spec.track,
@@ -284,7 +277,7 @@ class NavigateToGoal(composer.Task):
 
     def _read_contact(self) -> Contact:
         data = self._data
-        velocity = data.qvel[self._speed_slice]
+        velocity = self._speed[self._speed_slice]
         speed = hypot(float(velocity[0]), float(velocity[1]))
         for first, second in data.contact.geom.tolist():
             if self._hull in (first, second):
@@ -305,14 +298,16 @@ class NavigateToGoal(composer.Task):
     @property
     def pose(self) -> Pose2D:
         """Present pose of the footprint's centre."""
-        x, y, _, w, _, _, z = self._place.tolist()
-        yaw = 2.0 * atan2(z, w)
-        return Pose2D(x, y, (yaw + pi) % (2 * pi) - pi)
+        if self._pose is None:
+            x, y, _, w, _, _, z = self._place.tolist()
+            yaw = 2.0 * atan2(z, w)
+            self._pose = Pose2D(x, y, (yaw + pi) % (2 * pi) - pi)
+        return self._pose
 
     @property
     def twist(self) -> Twist2D:
         """Present forward speed and yaw rate."""
-        velocity = self._data.qvel[self._speed_slice].tolist()
+        velocity = self._speed[self._speed_slice].tolist()
         yaw = self.pose.yaw
         return Twist2D(velocity[0] * cos(yaw) + velocity[1] * sin(yaw), velocity[5])
 
@@ -395,39 +390,3 @@ class NavigateToGoal(composer.Task):
     def _twist_vector(self) -> FloatArray:
         twist = self.twist
         return np.array([twist.v, twist.omega])
-
-
-@compiled
-def _truth(
-    places: FloatArray,
-    speeds: FloatArray,
-    chassis: int,
-    wheels: IntArray,
-    track: float,
-    wheel_radius: float,
-    axle_offset: float,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """(k, 3) poses, (k, 2) wheel speeds and (k,) slip of a `BlockTruth`.
-
-    Args:
-        places: (k, 7) positions and quaternions of the chassis.
-        speeds: (k, nv) of all degrees of freedom.
-        chassis: number of the first of the chassis's.
-        wheels: (2,) numbers of the left and the right wheel's.
-        track, wheel_radius, axle_offset: of the robot, m.
-    """
-    count = len(places)
-    poses, rates, slip = np.empty((count, 3)), np.empty((count, 2)), np.empty(count)
-    for k in range(count):
-        yaw = 2.0 * atan2(places[k, 6], places[k, 3])
-        c, s = cos(yaw), sin(yaw)
-        x, y, turning = speeds[k, chassis], speeds[k, chassis + 1], speeds[k, chassis + 5]
-        forward = x * c + y * s
-        aside = y * c - x * s - axle_offset * turning
-        rates[k, 0], rates[k, 1] = speeds[k, wheels[0]], speeds[k, wheels[1]]
-        left = abs(forward - turning * (track / 2) - rates[k, 0] * wheel_radius)
-        right = abs(forward + turning * (track / 2) - rates[k, 1] * wheel_radius)
-        slip[k] = hypot(max(left, right), aside)
-        poses[k, 0], poses[k, 1] = places[k, 0], places[k, 1]
-        poses[k, 2] = (yaw + pi) % (2 * pi) - pi
-    return poses, rates, slip
