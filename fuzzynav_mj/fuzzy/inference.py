@@ -1,18 +1,19 @@
 """Mamdani inference over a rule table: min for AND, max to aggregate, exact centroid."""
 
 from collections.abc import Sequence
+from math import isnan
 
 import numpy as np
 
+from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.errors import FuzzyNavError
-from fuzzynav_mj.fuzzy.centroid import Centroid
+from fuzzynav_mj.fuzzy.centroid import centroid, risk_shapes
 from fuzzynav_mj.fuzzy.completion import NO_RULE, RuleTable
-from fuzzynav_mj.fuzzy.membership import DistanceTerm, Memberships, RiskTerm, ramp_fractions
+from fuzzynav_mj.fuzzy.membership import DistanceTerm, Memberships
 from fuzzynav_mj.fuzzy.rules import INPUTS
-from fuzzynav_mj.types import FloatArray
+from fuzzynav_mj.types import FloatArray, IntArray
 
-_STRIDES = tuple(len(DistanceTerm) ** (len(INPUTS) - 1 - i) for i in range(len(INPUTS)))
-_ROWS_AT_ONCE = 2048  # keeps the (rows, 64) intermediates of a batch near one megabyte
+_INPUTS, _TERMS = len(INPUTS), len(DistanceTerm)  # compiled code knows numbers only
 
 
 class MamdaniEngine:
@@ -22,10 +23,9 @@ class MamdaniEngine:
     """
 
     def __init__(self, table: RuleTable, memberships: Memberships) -> None:
-        self._consequents = table.consequent.tobytes()  # int8 0..5, indexed by the flat cell
-        self._consequent_array = table.consequent.ravel().astype(np.uint8)
-        self._ramps = memberships.distance_ramps
-        self._centroid = Centroid(memberships)
+        self._consequents = table.consequent.ravel().astype(np.intp)
+        self._distance_ramps = np.array(memberships.distance_ramps, dtype=np.float64)
+        self._shapes = risk_shapes(memberships)
 
     def risk(self, distances: Sequence[float]) -> float:
         """Risk in [0, 100] of the six distances, m, in the order of `INPUTS`.
@@ -33,60 +33,7 @@ class MamdaniEngine:
         Distances outside [0, 1] count as the nearer end. The risk is nan if a distance is nan or
         no rule fires.
         """
-        return self._centroid.of(self.strengths(distances))
-
-    def strengths(self, distances: Sequence[float]) -> list[float]:
-        """Strengths of the five `RiskTerm`s; all 0 if a distance is nan or no rule fires.
-
-        Where an input lies on a ramp, call its grades major (>= 1/2) and minor (<= 1/2). A rule
-        over major terms alone fires at the smallest major grade, which is 1 - the largest minor
-        one; any other rule fires at the smallest of its minor grades. So, taking the inputs by
-        falling minor grade, the rules that the next input adds all fire at its minor grade, and a
-        consequent that has been met before is no longer raised.
-        """
-        (a0, b0), (a1, b1), (a2, b2) = self._ramps
-        cell = 0
-        minors: list[tuple[float, int]] = []
-        for x, stride in zip(distances, _STRIDES, strict=True):
-            # Very Far adds 0 strides to the cell, Far 1, Medium 2, Close 3.
-            if x >= b2:
-                continue
-            if x > a2:
-                term, rising = 0, (x - a2) / (b2 - a2)
-            elif x >= b1:
-                cell += stride
-                continue
-            elif x > a1:
-                term, rising = 1, (x - a1) / (b1 - a1)
-            elif x >= b0:
-                cell += 2 * stride
-                continue
-            elif x > a0:
-                term, rising = 2, (x - a0) / (b0 - a0)
-            elif x <= a0:
-                cell += 3 * stride
-                continue
-            else:
-                return [0.0] * len(RiskTerm)
-            if rising >= 0.5:
-                cell += term * stride
-                minors.append((1.0 - rising, stride))
-            else:
-                cell += (term + 1) * stride
-                minors.append((rising, -stride))
-
-        consequents = self._consequents
-        minors.sort(reverse=True)
-        strengths = [0.0] * (NO_RULE + 1)
-        strengths[consequents[cell]] = 1.0 - minors[0][0] if minors else 1.0
-        cells = [cell]
-        for grade, step in minors:
-            added = [c + step for c in cells]
-            for c in added:
-                if not strengths[consequents[c]]:
-                    strengths[consequents[c]] = grade
-            cells += added
-        return strengths[:NO_RULE]
+        return float(self.risks(np.array((distances,), dtype=np.float64))[0])
 
     def risks(self, distances: FloatArray) -> FloatArray:
         """Risks (n,) of distances (n, 6), m, columns in the order of `INPUTS`; rules as in `risk`.
@@ -94,37 +41,64 @@ class MamdaniEngine:
         Raises:
             FuzzyNavError: if the array is not of shape (n, 6).
         """
-        rows = np.asarray(distances, dtype=np.float64)
+        rows = np.ascontiguousarray(distances, dtype=np.float64)
         if rows.ndim != 2 or rows.shape[1] != len(INPUTS):
             raise FuzzyNavError(
                 f"distances: got an array of shape {rows.shape}, need (n, {len(INPUTS)}) with the "
                 f"columns {', '.join(INPUTS)}"
             )
-        risks = np.empty(len(rows))
-        for start in range(0, len(rows), _ROWS_AT_ONCE):
-            part = slice(start, start + _ROWS_AT_ONCE)
-            risks[part] = self._centroid.of_rows(self._strength_rows(rows[part]))
-        return risks
+        shapes = self._shapes
+        return _risks(rows, self._distance_ramps, self._consequents, shapes.terms, shapes.ramps)
 
-    def _strength_rows(self, rows: FloatArray) -> FloatArray:
-        """Strengths (n, 5) of the `RiskTerm`s: all 64 rules of each row, weighed one by one."""
-        fractions = ramp_fractions(rows, self._ramps)
-        ramp = (fractions[..., :-1] >= 1.0).sum(axis=-1)  # (n, 6): the first incomplete one
-        far = np.take_along_axis(fractions, ramp[..., None], axis=-1)[..., 0]
-        near = 1.0 - far
-        near_term = len(self._ramps) - ramp
 
-        cells = (near_term * np.array(_STRIDES)).sum(axis=1, keepdims=True)
-        weights = np.ones((len(rows), 1))
-        for i, stride in enumerate(_STRIDES):
-            cells = np.concatenate([cells, cells - stride], axis=1)
-            weights = np.concatenate(
-                [np.minimum(weights, near[:, i, None]), np.minimum(weights, far[:, i, None])],
-                axis=1,
-            )
-        consequents = self._consequent_array[cells]
-        strengths = np.stack(
-            [np.where(consequents == risk, weights, 0.0).max(axis=1) for risk in RiskTerm], axis=1
-        )
-        strengths[np.isnan(rows).any(axis=1)] = 0.0
-        return strengths
+@compiled
+def _risks(
+    rows: FloatArray,
+    distance_ramps: FloatArray,
+    consequents: IntArray,
+    terms: FloatArray,
+    ramps: FloatArray,
+) -> FloatArray:
+    """(n,) risks of distances (n, 6).
+
+    Args:
+        rows: (n, 6) distances, m.
+        distance_ramps: (3, 2) as in `Memberships`.
+        consequents: (4096,) of all combinations of terms, the last input's running fastest.
+        terms, ramps: as in `RiskShapes`.
+    """
+    risks = np.empty(len(rows))
+    for k in range(len(rows)):
+        risks[k] = centroid(_strengths(rows[k], distance_ramps, consequents), terms, ramps)
+    return risks
+
+
+@compiled
+def _strengths(row: FloatArray, distance_ramps: FloatArray, consequents: IntArray) -> FloatArray:
+    """(6,) strengths of the five `RiskTerm`s, and of `NO_RULE`, for distances (6,), m; all 0 if one
+    of them is nan.
+
+    A rule fires at the smallest grade of its terms, a consequent at the largest of its rules'.
+    """
+    strengths = np.zeros(NO_RULE + 1)
+    cells, grades = np.zeros(2**_INPUTS, dtype=np.intp), np.ones(2**_INPUTS)
+    count = 1  # combinations of the terms that are active
+    for i in range(_INPUTS):
+        if isnan(row[i]):
+            return strengths
+        # Of Close, Medium, Far and Very Far at most two neighbours, on their ramp, are active.
+        near = _TERMS
+        far_grade = 1.0
+        while far_grade == 1.0 and near > 1:
+            near -= 1
+            start, end = distance_ramps[_TERMS - 1 - near]
+            far_grade = (min(max(row[i], start), end) - start) / (end - start)
+        for c in range(count):
+            cell, grade = cells[c] * _TERMS + near, grades[c]
+            cells[c], grades[c] = cell, min(grade, 1.0 - far_grade)
+            cells[count + c], grades[count + c] = cell - 1, min(grade, far_grade)
+        count *= 2
+    for c in range(count):
+        consequent = consequents[cells[c]]
+        strengths[consequent] = max(strengths[consequent], grades[c])
+    return strengths

@@ -133,15 +133,11 @@ class Memberships:
         return _grades(risks, self.risk_ramps)
 
 
-def ramp_fractions(values: FloatArray, ramps: Sequence[Ramp]) -> FloatArray:
-    """How much of each ramp lies below each value: (...) to (..., len(ramps)), in [0, 1]."""
-    start, end = np.asarray(ramps, dtype=np.float64).T
-    fractions: FloatArray = (np.clip(values[..., None], start, end) - start) / (end - start)
-    return fractions
-
-
 def _grades(values: FloatArray, ramps: Sequence[Ramp]) -> FloatArray:
-    fractions = ramp_fractions(np.asarray(values, dtype=np.float64), ramps)
+    start, end = np.asarray(ramps, dtype=np.float64).T
+    # How much of each ramp lies below each value.
+    values = np.asarray(values, dtype=np.float64)[..., None]
+    fractions = (np.clip(values, start, end) - start) / (end - start)
     passed = np.concatenate([np.ones_like(fractions[..., :1]), fractions], axis=-1)
     ahead = np.concatenate([fractions, np.zeros_like(fractions[..., :1])], axis=-1)
     # A ramp is entered only after the one before it is complete, so one of the two is 0 or 1.

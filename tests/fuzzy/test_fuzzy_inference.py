@@ -1,7 +1,8 @@
-"""The inference engine: exact centroids, scalar equal to batch, agreement with scikit-fuzzy."""
+"""The inference engine: exact centroids, weights of every rule, agreement with scikit-fuzzy."""
 
 import math
 from fractions import Fraction
+from functools import reduce
 from itertools import pairwise
 
 import numpy as np
@@ -18,10 +19,10 @@ from fuzzynav_mj.fuzzy import (
     published_rules,
     rule_table,
 )
-from fuzzynav_mj.fuzzy.centroid import Centroid
+from fuzzynav_mj.fuzzy.centroid import centroid, risk_shapes
 from fuzzynav_mj.fuzzy.inference import MamdaniEngine
 
-CENTROID = Centroid(Memberships())
+SHAPES = risk_shapes(Memberships())
 ENGINES = {name: MamdaniEngine(rule_table(name), Memberships()) for name in PROFILES}
 EXACT = [Fraction(7), Fraction(57, 2), Fraction(50), Fraction(143, 2), Fraction(93)]
 
@@ -30,6 +31,10 @@ distances = st.one_of(
     st.floats(0.0, 1.0), st.sampled_from([0.2, 0.275, 0.35, 0.45, 0.5, 0.55, 0.65, 0.725, 0.8])
 )
 scenes = st.tuples(*[distances] * 6)
+
+
+def centroid_of(strengths: list[float]) -> float:
+    return centroid(np.array(strengths), SHAPES.terms, SHAPES.ramps)
 
 
 def exact_grade(shape: Trapezoid, x: Fraction) -> Fraction:
@@ -64,16 +69,14 @@ def exact_centroid(strengths: list[Fraction]) -> Fraction:
 def test_centroids_of_whole_terms_are_exact(term: RiskTerm) -> None:
     strengths = [Fraction(int(other == term)) for other in RiskTerm]
     assert exact_centroid(strengths) == EXACT[term]
-    assert CENTROID.of([float(h) for h in strengths]) == float(EXACT[term])
+    assert centroid_of([float(h) for h in strengths]) == float(EXACT[term])
 
 
 @settings(deadline=None)
 @given(st.lists(st.integers(0, 64), min_size=5, max_size=5).filter(any))
 def test_centroid_equals_rational_arithmetic(sixty_fourths: list[int]) -> None:
     exact = float(exact_centroid([Fraction(k, 64) for k in sixty_fourths]))
-    strengths = [k / 64 for k in sixty_fourths]
-    assert CENTROID.of(strengths) == pytest.approx(exact, abs=1e-11)
-    assert CENTROID.of_rows(np.array([strengths]))[0] == pytest.approx(exact, abs=1e-11)
+    assert centroid_of([k / 64 for k in sixty_fourths]) == pytest.approx(exact, abs=1e-11)
 
 
 @settings(deadline=None)
@@ -81,44 +84,43 @@ def test_centroid_equals_rational_arithmetic(sixty_fourths: list[int]) -> None:
 def test_symmetric_terms_keep_their_centroid_at_any_strength(h: float) -> None:
     for term in (RiskTerm.L, RiskTerm.N, RiskTerm.H):
         strengths = [h if other == term else 0.0 for other in RiskTerm]
-        assert CENTROID.of(strengths) == pytest.approx(float(EXACT[term]), abs=1e-9)
-    assert 91.0 <= CENTROID.of([0, 0, 0, 0, h]) <= 93.0 + 1e-9
-    assert 7.0 - 1e-9 <= CENTROID.of([h, 0, 0, 0, 0]) <= 9.0
+        assert centroid_of(strengths) == pytest.approx(float(EXACT[term]), abs=1e-9)
+    assert 91.0 <= centroid_of([0.0, 0.0, 0.0, 0.0, h]) <= 93.0 + 1e-9
+    assert 7.0 - 1e-9 <= centroid_of([h, 0.0, 0.0, 0.0, 0.0]) <= 9.0
 
 
 def test_no_strength_has_no_centroid() -> None:
-    assert math.isnan(CENTROID.of([0.0] * 5))
-    assert np.isnan(CENTROID.of_rows(np.zeros((2, 5)))).all()
+    assert math.isnan(centroid_of([0.0] * 5))
 
 
-@pytest.mark.parametrize("profile", sorted(PROFILES))
-@settings(max_examples=300, deadline=None)
-@given(rows=st.lists(scenes, min_size=1, max_size=5))
-def test_scalar_equals_batch(profile: str, rows: list[tuple[float, ...]]) -> None:
-    engine = ENGINES[profile]
-    scalar = [engine.risk(row) for row in rows]
-    np.testing.assert_allclose(engine.risks(np.array(rows)), scalar, rtol=0, atol=1e-9)
+def weighed_one_by_one(memberships: Memberships, profile: str, row: tuple[float, ...]) -> float:
+    """The risk by all 4096 combinations of terms, most of which do not fire."""
+    grades = memberships.distance_grades(np.array(row))
+    weights = reduce(np.minimum.outer, grades)
+    consequent = rule_table(profile).consequent
+    return centroid_of([weights[consequent == risk].max(initial=0.0) for risk in RiskTerm])
 
 
 @settings(deadline=None)
 @given(
     knots=st.lists(st.integers(0, 100), min_size=6, max_size=6, unique=True).map(sorted),
-    row=scenes,
+    rows=st.lists(scenes, min_size=1, max_size=3),
+    profile=st.sampled_from(sorted(PROFILES)),
 )
-def test_scalar_equals_batch_at_any_breakpoints(knots: list[int], row: tuple[float, ...]) -> None:
+def test_all_rules_that_fire_are_weighed_at_any_breakpoints(
+    knots: list[int], rows: list[tuple[float, ...]], profile: str
+) -> None:
     a0, b0, a1, b1, a2, b2 = (knot / 100 for knot in knots)
-    memberships = Memberships(distance_ramps=((a0, b0), (a1, b1), (a2, b2)))
-    engine = MamdaniEngine(rule_table("completed"), memberships)
-    assert engine.risks(np.array([row]))[0] == pytest.approx(engine.risk(row), abs=1e-9)
-
-
-def test_a_batch_longer_than_one_chunk_keeps_its_order() -> None:
-    rows = np.random.default_rng(3).uniform(0.0, 1.0, (5000, 6))
-    engine = ENGINES["completed"]
-    batch = engine.risks(rows)
-    assert batch.shape == (5000,)
-    picked = [0, 2047, 2048, 4095, 4096, 4999]
-    np.testing.assert_allclose(batch[picked], [engine.risk(rows[i].tolist()) for i in picked])
+    for memberships in (
+        Memberships(),
+        Memberships(distance_ramps=((a0, b0), (a1, b1), (a2, b2))),
+    ):
+        engine = MamdaniEngine(rule_table(profile), memberships)
+        expected = [weighed_one_by_one(memberships, profile, row) for row in rows]
+        np.testing.assert_allclose(engine.risks(np.array(rows)), expected, rtol=0, atol=1e-9)
+        np.testing.assert_array_equal(
+            engine.risks(np.array(rows)), [engine.risk(row) for row in rows]
+        )
 
 
 @settings(deadline=None)
