@@ -30,18 +30,6 @@ _AROUND = np.array([0, 2, 4, 7, 10, 15, 20, 27, 35, 45, 60, 75], dtype=int)
 FORWARD_OFFSETS = np.concatenate((_AROUND, -_AROUND[1:], [90]))
 REVERSE_OFFSETS = np.array([0, 5, -5, 10, -10, 18, -18, 26, -26])
 
-# Every candidate's place among the forward directions, the reverse ones, and no direction.
-_CANDIDATES = np.concatenate(
-    (
-        np.tile(np.arange(len(FORWARD_OFFSETS)), len(FORWARD_SPEEDS)),
-        np.tile(len(FORWARD_OFFSETS) + np.arange(len(REVERSE_OFFSETS)), len(REVERSE_SPEEDS)),
-        [0, -1],
-    )
-)
-_BACK = np.append(REVERSE_OFFSETS % TURNS, NO_TURN)
-_BACK_DIRECTIONS = np.append((REVERSE_OFFSETS % TURNS) * TURN_STEP + pi, 0.0)
-_ON_THE_SPOT = np.arange(len(_CANDIDATES)) == len(_CANDIDATES) - 2
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motions:
@@ -72,21 +60,58 @@ class Motions:
 def candidate_motions(wanted: float, twist: Twist2D, spec: RobotSpec) -> Motions:
     """Candidates around a wanted direction of travel (rad, robot frame), a turn on the spot to it,
     and the one that stops."""
-    ahead = (round(wanted / TURN_STEP) + FORWARD_OFFSETS) % TURNS
-    rows = np.concatenate((ahead, _BACK)).take(_CANDIDATES)
-    direction = np.concatenate((ahead * TURN_STEP, _BACK_DIRECTIONS)).take(_CANDIDATES)
-    speed, brake_steps = _aims(spec)
-    poses, speeds = _roll(rows, speed, twist, spec)
-    return Motions(poses, speeds, speed, direction, brake_steps, _ON_THE_SPOT)
+    aims, table = _aims(spec), _headings(spec)
+    classes = len(table.courses) // 2
+    kind = min(max(round(twist.omega / YAW_RATE_CLASS), -classes), classes) + classes
+    poses, speeds, direction = _drive(
+        table.courses[kind],
+        table.rate[kind],
+        round(wanted / TURN_STEP),
+        aims.turn,
+        aims.speed,
+        twist.v,
+        spec.max_acceleration,
+        table.span,
+        table.whole,
+    )
+    return Motions(poses, speeds, aims.speed, direction, aims.brake_steps, aims.on_the_spot)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Aims:
+    """What the candidates aim at, whichever direction is wanted.
+
+    Attributes:
+        turn: (m,) turn steps from the wanted direction, or from the present heading in reverse;
+            NO_TURN for the one that stops.
+        speed: (m,) m/s, negative in reverse.
+        brake_steps, on_the_spot: (m,) as in `Motions`.
+    """
+
+    turn: IntArray
+    speed: FloatArray
+    brake_steps: IntArray
+    on_the_spot: BoolArray
 
 
 @lru_cache(maxsize=8)
-def _aims(spec: RobotSpec) -> tuple[FloatArray, IntArray]:
+def _aims(spec: RobotSpec) -> _Aims:
     forward = np.repeat(np.array(FORWARD_SPEEDS), len(FORWARD_OFFSETS))
     reverse = np.repeat(-np.array(REVERSE_SPEEDS), len(REVERSE_OFFSETS))
     speed = np.concatenate((forward, reverse, [0.0, 0.0])) * spec.max_speed
     time = np.abs(speed) / spec.max_acceleration
-    return speed, np.ceil(time / spec.decision_period - 1e-9).astype(np.intp)
+    return _Aims(
+        turn=np.concatenate(
+            (
+                np.tile(FORWARD_OFFSETS, len(FORWARD_SPEEDS)),
+                np.tile(REVERSE_OFFSETS, len(REVERSE_SPEEDS)),
+                [0, NO_TURN],
+            )
+        ),
+        speed=speed,
+        brake_steps=np.ceil(time / spec.decision_period - 1e-9).astype(np.intp),
+        on_the_spot=np.arange(len(speed)) == len(speed) - 2,
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -142,38 +167,45 @@ def _headings(spec: RobotSpec) -> _Headings:
     return _Headings(span, whole, rates[whole[0]], courses)
 
 
-def _roll(
-    rows: IntArray, aim: FloatArray, twist: Twist2D, spec: RobotSpec
-) -> tuple[FloatArray, FloatArray]:
-    """(m, HORIZON, 3) poses, and (m, 2) speeds after the first period, for rows (m,) of the heading
-    table and speeds aimed at (m,)."""
-    table = _headings(spec)
-    classes = round(spec.max_yaw_rate / YAW_RATE_CLASS)
-    kind = min(max(round(twist.omega / YAW_RATE_CLASS), -classes), classes) + classes
-    poses, first = _drive(
-        table.courses[kind], rows, aim, twist.v, spec.max_acceleration, table.span, table.whole
-    )
-    return poses, np.column_stack((first, table.rate[kind].take(rows)))
-
-
 @compiled
 def _drive(
     courses: FloatArray,
-    rows: IntArray,
+    rates: FloatArray,
+    wanted: int,
+    turns: IntArray,
     aim: FloatArray,
     speed_now: float,
     acceleration: float,
     span: FloatArray,
     whole: IntArray,
-) -> tuple[FloatArray, FloatArray]:
-    """(m, HORIZON, 3) poses: the speed follows its share of the aim within the acceleration; and
-    (m,) the speed after the first period."""
-    poses = np.empty((len(rows), len(whole), 3))
-    first = np.empty(len(rows))
-    for i in range(len(rows)):
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """(m, HORIZON, 3) poses: the speed follows its share of the aim within the acceleration;
+    (m, 2) speeds after the first period; and (m,) directions of travel, rad.
+
+    Args:
+        courses, rates: (rows, steps, 6) and (rows,) of `_Headings`, for the present yaw rate.
+        wanted: direction, turn steps.
+        turns, aim: (m,) turn and speed of `_Aims`.
+        speed_now: m/s.
+        acceleration: m/s2.
+        span, whole: of `_Headings`.
+    """
+    count = len(aim)
+    poses, speeds = np.empty((count, len(whole), 3)), np.empty((count, 2))
+    direction = np.empty(count)
+    for i in range(count):
+        if turns[i] == NO_TURN:
+            row, direction[i] = NO_TURN, 0.0
+        elif aim[i] < 0.0:
+            row = turns[i] % TURNS
+            direction[i] = row * TURN_STEP + pi
+        else:
+            row = (wanted + turns[i]) % TURNS
+            direction[i] = row * TURN_STEP
+        speeds[i, 1] = rates[row]
         x, y, speed, period = 0.0, 0.0, speed_now, 0
         for step in range(len(span)):
-            drive, c, s, aside_x, aside_y, yaw = courses[rows[i], step]
+            drive, c, s, aside_x, aside_y, yaw = courses[row, step]
             change = acceleration * span[step]
             after = min(max(drive * aim[i], speed - change), speed + change)
             mean = (speed + after) / 2
@@ -181,10 +213,10 @@ def _drive(
             y += (s * mean + aside_y) * span[step]
             speed = after
             if step == whole[0]:
-                first[i] = speed
+                speeds[i, 0] = speed
             if step == whole[period]:
                 poses[i, period, 0] = x
                 poses[i, period, 1] = y
                 poses[i, period, 2] = yaw
                 period += 1
-    return poses, first
+    return poses, speeds, direction

@@ -54,6 +54,7 @@ def free_on_rays(
         for _ in range(int(2 * spread) + 3):
             along, across = c[i] * x + s[i] * y, c[i] * y - s[i] * x
             for w in range(len(widths)):
-                free[w, i] = min(free[w, i], _until_met(along, across, widths[w]))
+                if along - widths[w] < free[w, i]:  # else it cannot be met earlier
+                    free[w, i] = min(free[w, i], _until_met(along, across, widths[w]))
             i = i + 1 if i + 1 < count else 0
     return free

@@ -10,7 +10,7 @@ from math import atan2, pi, sqrt
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
-from fuzzynav_mj.types import BoolArray, FloatArray, FuzzyInputs, IntArray, PerceivedObstacle
+from fuzzynav_mj.types import FloatArray, FuzzyInputs, IntArray, PerceivedObstacle
 
 CLEAR = 1.0  # the reading where nothing is in range
 FRONT = pi / 4
@@ -33,14 +33,14 @@ def sector_distances(
         max_range: beyond this an obstacle is out of range.
     """
     ranked = sorted(obstacles, key=lambda o: o.distance)
-    chosen = [o for o in ranked if not o.dynamic][:3] + [o for o in ranked if o.dynamic][:3]
+    standing = [o for o in ranked if not o.dynamic][:3]
+    chosen = standing + [o for o in ranked if o.dynamic][:3]
     if not chosen:
         return np.full((len(places), 6), CLEAR)
-    ends = np.cumsum([len(o.points) for o in chosen])
-    moved = np.array([o.velocity for o in chosen]) * ahead
-    dynamic = np.array([o.dynamic for o in chosen])
-    points = np.ascontiguousarray(np.concatenate([o.points for o in chosen]))
-    return _distances(places, travel, points, ends, moved, dynamic, max_range)
+    points = np.concatenate([o.points for o in chosen])
+    velocities = np.concatenate([o.velocity for o in chosen])
+    sizes = np.array([len(o.points) for o in chosen])
+    return _distances(places, travel, points, sizes, len(standing), velocities, ahead, max_range)
 
 
 @compiled
@@ -48,9 +48,10 @@ def _distances(
     places: FloatArray,
     travel: FloatArray,
     points: FloatArray,
-    ends: IntArray,
-    moved: FloatArray,
-    dynamic: BoolArray,
+    sizes: IntArray,
+    standing: int,
+    velocities: FloatArray,
+    ahead: float,
     max_range: float,
 ) -> FloatArray:
     """(m, 6) of `sector_distances`.
@@ -58,27 +59,28 @@ def _distances(
     Args:
         places, travel: (m, 2) and (m,).
         points: (k, 2) of all obstacles, one after the other.
-        ends: (obstacles,) the number after each one's last point.
-        moved: (obstacles, 2) by how much each dynamic one will have moved, m.
-        dynamic: (obstacles,).
-        max_range: m.
+        sizes: (obstacles,) number of points of each.
+        standing: so many stand; the others, which follow, move.
+        velocities: (2 * obstacles,) vx and vy of each, m/s.
+        ahead, max_range: s and m.
     """
     inputs = np.full((len(places), 6), CLEAR)
     for m in range(len(places)):
         first = 0
-        for o in range(len(ends)):
+        for o in range(len(sizes)):
             x, y = places[m, 0], places[m, 1]
-            if dynamic[o]:
-                x, y = x - moved[o, 0], y - moved[o, 1]
+            moves = o >= standing
+            if moves:
+                x, y = x - velocities[2 * o] * ahead, y - velocities[2 * o + 1] * ahead
             dx, dy, nearest = 0.0, 0.0, np.inf
-            for k in range(first, ends[o]):
+            for k in range(first, first + sizes[o]):
                 squared = (points[k, 0] - x) ** 2 + (points[k, 1] - y) ** 2
                 if squared < nearest:
                     dx, dy, nearest = points[k, 0] - x, points[k, 1] - y, squared
-            first = ends[o]
+            first += sizes[o]
             bearing = (atan2(dy, dx) - travel[m] + pi) % (2 * pi) - pi
             side = 1 if abs(bearing) <= FRONT else (0 if bearing > 0.0 else 2)
-            column = side + (3 if dynamic[o] else 0)
+            column = side + (3 if moves else 0)
             if nearest < max_range**2:
                 inputs[m, column] = min(inputs[m, column], sqrt(nearest))
     return inputs
@@ -86,4 +88,4 @@ def _distances(
 
 def as_fuzzy_inputs(row: FloatArray) -> FuzzyInputs:
     """The record of one row of `sector_distances`."""
-    return FuzzyInputs(*(float(value) for value in row))
+    return FuzzyInputs(*row.tolist())
