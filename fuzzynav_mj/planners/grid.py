@@ -53,9 +53,10 @@ class Grid:
             cell = int(before[cell])
         return cells
 
-    def lengths(self, before: IntArray, cells: IntArray) -> FloatArray:
-        """(n,) lengths of the ways to the reached `cells` (n,), m."""
-        return _lengths(self.x, self.y, before, cells, self.origin)
+    def ways(self, before: IntArray, cells: IntArray) -> tuple[FloatArray, FloatArray]:
+        """(n,) lengths of the ways to the reached `cells` (n,) and (n, 2) where they lie, m; inf
+        and 0 where the cell is -1, for none."""
+        return _ways(self.x, self.y, before, cells, self.origin)
 
 
 @lru_cache(maxsize=4)
@@ -119,15 +120,18 @@ def _cheapest(toll: FloatArray, moves: IntArray, steps: FloatArray) -> tuple[Flo
 
 
 @compiled
-def _lengths(
+def _ways(
     x: FloatArray, y: FloatArray, before: IntArray, cells: IntArray, origin: int
-) -> FloatArray:
-    """See `Grid.lengths`."""
-    total = np.zeros(len(cells))
+) -> tuple[FloatArray, FloatArray]:
+    """See `Grid.ways`."""
+    length, end = np.full(len(cells), np.inf), np.zeros((len(cells), 2))
     for k in range(len(cells)):
         cell = cells[k]
+        if cell < 0:
+            continue
+        length[k], end[k] = 0.0, (x[cell], y[cell])
         while cell != origin:
             there = before[cell]
-            total[k] += hypot(x[cell] - x[there], y[cell] - y[there])
+            length[k] += hypot(x[cell] - x[there], y[cell] - y[there])
             cell = there
-    return total
+    return length, end

@@ -23,15 +23,9 @@ from fuzzynav_mj.planners.boundary import (
 )
 from fuzzynav_mj.planners.openings import blind_ways, promises
 from fuzzynav_mj.planners.reach import free_distance
+from fuzzynav_mj.planners.search import searched_ways
 from fuzzynav_mj.planners.settings import GuidanceSettings
-from fuzzynav_mj.planners.sight import (
-    Sight,
-    Ways,
-    either,
-    range_jumps,
-    searched_ways,
-    straight_ways,
-)
+from fuzzynav_mj.planners.sight import Sight, Ways, either, range_jumps, straight_ways
 from fuzzynav_mj.types import FloatArray
 
 BOUNDARY_LOST = 0.1  # m beyond sight
@@ -239,8 +233,7 @@ class Guidance:
     def _ways(self, place: Point, goal: FloatArray, sight: Sight) -> Ways:
         """Comfortable ways, tight ones where they save enough, searched ones where they might."""
         settings = self._settings
-        easy, tight = straight_ways(sight, (settings.comfortable, settings.tight))
-        ways = either(easy, tight, settings.tight_penalty)
+        ways = straight_ways(sight, settings.comfortable, settings.tight, settings.tight_penalty)
         if self._search_might_help(place, goal, sight, ways):
             found = searched_ways(sight, settings.tight, settings.comfortable)
             ways = either(ways, found, settings.tight_penalty)

@@ -1,15 +1,15 @@
-"""Which ways lead on, as far as one scan shows: free directions and the ways to the edge of sight.
+"""Which ways lead on, as far as one scan shows: straight ones here, others in `search`.
 
 Only standing obstacles count here; what moves is left to the roll-outs.
 """
 
 from dataclasses import dataclass
-from math import floor, pi, sqrt
+from math import floor, sqrt
 
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
-from fuzzynav_mj.planners.grid import CELL, Grid, grid_around, note_nearest
+from fuzzynav_mj.planners.grid import CELL, Grid
 from fuzzynav_mj.planners.reach import free_distance, free_on_rays
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
@@ -93,14 +93,21 @@ class Search:
         return np.array([x[best], y[best]])
 
 
-def straight_ways(sight: Sight, widths: tuple[float, ...]) -> list[Ways]:
-    """Straight ways to the edge of sight, and to where one obstacle hides what is behind it, for
-    each of several widths."""
-    is_open, length, end = _straight(
-        sight.points, sight.bearings, sight.ranges, sight.max_range, np.array(widths)
+def straight_ways(sight: Sight, comfortable: float, tight: float, penalty: float) -> Ways:
+    """Straight ways to the edge of sight, and to where one obstacle hides what is behind it.
+
+    For each bearing the shorter one of two: of comfortable half width, or of a tight one, burdened
+    with a penalty (m).
+    """
+    is_open, length, end, roomy = _straight(
+        sight.points,
+        sight.bearings,
+        sight.ranges,
+        sight.max_range,
+        np.array([comfortable, tight]),
+        penalty,
     )
-    nowhere = np.zeros(len(sight.bearings), dtype=bool)
-    return [Ways(is_open[w], length[w], end[w], is_open[w], nowhere) for w in range(len(widths))]
+    return Ways(is_open, length, end, roomy, np.zeros(len(is_open), dtype=bool))
 
 
 @compiled
@@ -110,42 +117,67 @@ def _straight(
     ranges: FloatArray,
     max_range: float,
     widths: FloatArray,
-) -> tuple[BoolArray, FloatArray, FloatArray]:
-    """(w, n), (w, n) and (w, n, 2): `Ways.open`, `Ways.length` and `Ways.end` for each width."""
+    penalty: float,
+) -> tuple[BoolArray, FloatArray, FloatArray, BoolArray]:
+    """(n,), (n,), (n, 2) and (n,): `open`, `length`, `end` and `comfortable` of `Ways`; `widths`
+    (2,) are the comfortable one and the tight one."""
     count = len(bearings)
     c, s = np.cos(bearings), np.sin(bearings)
     free = free_on_rays(points, c, s, bearings[0], widths)
-    is_open = np.zeros((len(widths), count), dtype=np.bool_)
-    length = np.full((len(widths), count), np.inf)
-    end = np.zeros((len(widths), count, 2))
-    for w in range(len(widths)):
-        width = widths[w]
-        jump, nearer = range_jumps(ranges, width)
-        for i in range(count):
+    is_open, roomy = np.zeros(count, dtype=np.bool_), np.zeros(count, dtype=np.bool_)
+    length, end = np.full(count, np.inf), np.empty((count, 2))
+    for i in range(count):
+        nearer = min(ranges[i - 1], ranges[i + 1 - count])
+        for w in range(2):
+            width, burden = widths[w], w * penalty
             reach = 0.0
             if ranges[i] >= max_range - 1e-9:
                 reach = max_range
-            elif jump[i]:
+            elif ranges[i] - nearer >= 2 * width:
                 # Past the nearer ray beside it into what that one's obstacle hides.
-                reach = max(min(nearer[i] + width, ranges[i] - width), 0.0)
-            end[w, i] = reach * c[i], reach * s[i]
-            if reach > 0.0 and free[w, i] >= min(reach, max_range - width):
-                is_open[w, i] = True
-                length[w, i] = reach
-    return is_open, length, end
+                reach = max(min(nearer + width, ranges[i] - width), 0.0)
+            leads_on = reach > 0.0 and free[w, i] >= min(reach, max_range - width)
+            if leads_on:
+                is_open[i] = True
+            better = leads_on and reach + burden < length[i]
+            if better:
+                length[i] = reach + burden
+                roomy[i] = w == 0
+            if better or w == 0:
+                end[i] = reach * c[i], reach * s[i]
+    return is_open, length, end, roomy
 
 
 def either(first: Ways, second: Ways, penalty: float) -> Ways:
-    """For each bearing the shorter way, the second one burdened with a penalty."""
-    better = second.length + penalty < first.length
-    return Ways(
-        first.open | second.open,
-        np.where(better, second.length + penalty, first.length),
-        np.where(better[:, None], second.end, first.end),
-        first.comfortable & ~better,
-        np.where(better, second.searched, first.searched),
-        second.search or first.search,
-    )
+    """For each bearing the shorter way, the second one burdened with a penalty (m)."""
+    is_open, length, end, comfortable, searched = _either(
+        first.open, first.length, first.end, first.comfortable, first.searched,
+        second.open, second.length, second.end, second.searched, penalty,
+    )  # fmt: skip
+    return Ways(is_open, length, end, comfortable, searched, second.search or first.search)
+
+
+@compiled
+def _either(
+    first_open: BoolArray,
+    first_length: FloatArray,
+    first_end: FloatArray,
+    first_comfortable: BoolArray,
+    first_searched: BoolArray,
+    second_open: BoolArray,
+    second_length: FloatArray,
+    second_end: FloatArray,
+    second_searched: BoolArray,
+    penalty: float,
+) -> tuple[BoolArray, FloatArray, FloatArray, BoolArray, BoolArray]:
+    """The fields of `either`'s ways, (n,) or (n, 2) each, from those of the two."""
+    length, end = first_length.copy(), first_end.copy()
+    comfortable, searched = first_comfortable.copy(), first_searched.copy()
+    for i in range(len(length)):
+        if second_length[i] + penalty < length[i]:
+            length[i], end[i] = second_length[i] + penalty, second_end[i]
+            comfortable[i], searched[i] = False, second_searched[i]
+    return first_open | second_open, length, end, comfortable, searched
 
 
 @compiled
@@ -158,105 +190,6 @@ def range_jumps(ranges: FloatArray, width: float) -> tuple[BoolArray, FloatArray
         nearer[i] = min(ranges[i - 1], ranges[i + 1 - count])
         jump[i] = ranges[i] - nearer[i] >= 2 * width
     return jump, nearer
-
-
-def searched_ways(sight: Sight, width: float, comfortable: float) -> Ways:
-    """Ways found by a shortest-path search on a grid of the visible, unobstructed ground.
-
-    No way comes closer than `width` to an obstacle, and the ground nearer than `comfortable`
-    costs up to three times its length.
-    """
-    grid = grid_around(sight.max_range)
-    turn = float(sight.bearings[0])
-    toll, ray = _tolls(
-        grid.axis, grid.distance, grid.bearing, sight.points, sight.ranges, turn, width, comfortable
-    )
-    cost, before = grid.cheapest(toll)
-    target = _targets(
-        cost, ray, grid.distance, sight.ranges, width, sight.max_range, sight.max_range - 1.5 * CELL
-    )
-    is_open = target >= 0
-    length = np.full(len(target), np.inf)
-    length[is_open] = grid.lengths(before, target[is_open])
-    end = np.stack((grid.x.take(target), grid.y.take(target)), axis=1)
-    search = Search(grid, before, target, sight.points, width)
-    return Ways(is_open, length, end, np.zeros(len(target), dtype=bool), is_open, search)
-
-
-@compiled
-def _tolls(
-    axis: FloatArray,
-    distance: FloatArray,
-    bearing: FloatArray,
-    points: FloatArray,
-    ranges: FloatArray,
-    turn: float,
-    width: float,
-    comfortable: float,
-) -> tuple[FloatArray, IntArray]:
-    """(cells,) cost per metre of ground, inf where none may go, and (cells,) the ray to each cell.
-
-    Args:
-        axis: (n,) coordinates of the cells in a row of the grid, m.
-        distance, bearing: (cells,) of each from the robot's own.
-        points: (k, 2) of what stands.
-        ranges: (rays,) evenly spaced, the first one at the bearing `turn`.
-        width: that must be kept clear, m.
-        comfortable: up to here ground costs more, m.
-    """
-    size, count = len(axis), len(ranges)
-    squared = np.full((size, size), comfortable**2)
-    reach = int(comfortable / CELL) + 1
-    for k in range(len(points)):
-        note_nearest(squared, axis, points[k, 0], points[k, 1], reach)
-    gap = np.sqrt(squared).ravel()
-    toll, ray = np.full(size * size, np.inf), np.empty(size * size, dtype=np.intp)
-    for cell in range(size * size):
-        ray[cell] = floor((bearing[cell] - turn) * (count / (2 * pi)) + 0.5) % count
-        room = gap[cell]
-        free = distance[cell] <= ranges[ray[cell]] + 1e-9 and room >= width
-        if free or distance[cell] < 1.5 * CELL:  # where the robot stands it may stand
-            toll[cell] = 1.0 + 2.0 * min((comfortable - room) / (comfortable - width), 1.0)
-    return toll, ray
-
-
-@compiled
-def _targets(
-    cost: FloatArray,
-    ray: IntArray,
-    distance: FloatArray,
-    ranges: FloatArray,
-    width: float,
-    max_range: float,
-    rim: float,
-) -> IntArray:
-    """(rays,) the cell where the way at each ray ends, -1 for none.
-
-    At the edge of sight, farther than `rim`, that is the cheapest cell on the ray's bearing; past
-    an obstacle's end the nearest one behind it, from which more may be seen.
-
-    Args:
-        cost: (cells,) of the way to each cell, inf where there is none.
-        ray: (cells,) the ray to each cell.
-        distance: (cells,) from the robot's own, m.
-        ranges: (rays,).
-        width: that the robot needs, m.
-        max_range: m.
-        rim: m.
-    """
-    at_rim, behind = np.full(len(ranges), -1), np.full(len(ranges), -1)
-    jump, nearer = range_jumps(ranges, width)
-    for cell in range(len(cost)):
-        i = ray[cell]
-        if cost[cell] == np.inf:
-            continue
-        ends = ranges[i] >= max_range - 1e-9 and distance[cell] > rim
-        if ends and (at_rim[i] < 0 or cost[cell] <= cost[at_rim[i]]):
-            at_rim[i] = cell
-        reveals = jump[i] and distance[cell] >= nearer[i] + width
-        if reveals and (behind[i] < 0 or distance[cell] <= distance[behind[i]]):
-            behind[i] = cell
-    return np.where(at_rim < 0, behind, at_rim)
 
 
 def thin(points: FloatArray, spacing: float = SPACING) -> FloatArray:

@@ -48,8 +48,9 @@ def test_lengths_are_those_of_the_ways() -> None:
     _, before = GRID.cheapest(np.ones(len(GRID.x)))
     half, size = len(GRID.axis) // 2, len(GRID.axis)
     three_along, knight = GRID.origin + 3 * size, GRID.origin + 2 * size + 1
-    lengths = GRID.lengths(before, np.array([GRID.origin, three_along, knight]))
-    assert lengths == pytest.approx([0.0, 0.15, 0.05 * 5**0.5])
+    lengths, ends = GRID.ways(before, np.array([GRID.origin, three_along, knight, -1]))
+    assert lengths == pytest.approx([0.0, 0.15, 0.05 * 5**0.5, np.inf])
+    assert ends[:3] == pytest.approx(np.array([[0.0, 0.0], [0.15, 0.0], [0.1, 0.05]]))
     assert half == 8 and GRID.x[GRID.origin] == GRID.y[GRID.origin] == 0.0
 
 

@@ -11,10 +11,10 @@ from point_world import RANGE, box, distance_to, sight_at, walls
 from fuzzynav_mj.geometry import wrap_angle
 from fuzzynav_mj.planners.grid import CELL
 from fuzzynav_mj.planners.reach import free_distance
+from fuzzynav_mj.planners.search import searched_ways
 from fuzzynav_mj.planners.sight import (
     Ways,
     either,
-    searched_ways,
     straight_ways,
     thin,
 )
@@ -38,7 +38,7 @@ def straight(
     sides: FloatArray, place: tuple[float, float], yaw: float = 0.0, width: float = TIGHT
 ) -> Ways:
     """The straight ways at `place`."""
-    return straight_ways(sight_at(sides, place, yaw), (width,))[0]
+    return straight_ways(sight_at(sides, place, yaw), width, width, 0.0)
 
 
 def degrees_open(ways: Ways, yaw: float = 0.0) -> FloatArray:
@@ -240,10 +240,16 @@ def test_either_takes_the_shorter_way(seed: int, penalty: float) -> None:
     place = (float(rng.uniform(-0.2, 0.2)), float(rng.uniform(-0.2, 0.2)))
     scene = wall_with_gap(0.42, 0.2, 0.4)
     wide, tight = straight(scene, place, width=COMFORTABLE), straight(scene, place)
-    both = either(wide, tight, penalty)
-    assert np.array_equal(both.open, wide.open | tight.open)
-    np.testing.assert_allclose(both.length, np.minimum(wide.length, tight.length + penalty))
-    assert (wide.open | ~both.comfortable).all()
+    for both in (
+        either(wide, tight, penalty),
+        straight_ways(sight_at(scene, place), COMFORTABLE, TIGHT, penalty),
+    ):
+        shorter = tight.length + penalty < wide.length
+        assert np.array_equal(both.open, wide.open | tight.open)
+        np.testing.assert_array_equal(both.length, np.minimum(wide.length, tight.length + penalty))
+        np.testing.assert_array_equal(both.end[shorter], tight.end[shorter])
+        np.testing.assert_array_equal(both.end[~shorter], wide.end[~shorter])
+        np.testing.assert_array_equal(both.comfortable, wide.open & ~shorter)
 
 
 # Thinning -------------------------------------------------------------------------------------
