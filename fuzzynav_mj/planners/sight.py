@@ -192,26 +192,29 @@ def range_jumps(ranges: FloatArray, width: float) -> tuple[BoolArray, FloatArray
     return jump, nearer
 
 
-def thin(points: FloatArray, spacing: float = SPACING) -> FloatArray:
-    """Thins out hits (k, 2), robot-centred and in ray order: densely kept near the robot, where a
-    missing corner would matter, and ever more sparsely farther away."""
-    return _thin(np.ascontiguousarray(points), spacing)
+def thin(
+    points: FloatArray, spacing: float = SPACING, place: tuple[float, float] = (0.0, 0.0)
+) -> FloatArray:
+    """Thins out hits (k, 2), in ray order, and centres them on the robot at `place`: densely kept
+    near the robot, where a missing corner would matter, and ever more sparsely farther away."""
+    return _thin(np.ascontiguousarray(points), spacing, place)
 
 
 @compiled
-def _thin(points: FloatArray, spacing: float) -> FloatArray:
+def _thin(points: FloatArray, spacing: float, place: tuple[float, float]) -> FloatArray:
     """See `thin`. The first and the last point stay, and the last before each whole spacing."""
     kept = np.empty_like(points)
     count, last, way, before = 0, len(points) - 1, 0.0, 0.0
     for k in range(len(points)):
+        x, y = points[k, 0] - place[0], points[k, 1] - place[1]
         after = before
         if k < last:
-            x, y = points[k + 1, 0], points[k + 1, 1]
-            dx, dy = x - points[k, 0], y - points[k, 1]
-            way += sqrt(dx**2 + dy**2) / (spacing * max(sqrt(x**2 + y**2), 0.1))
+            next_x, next_y = points[k + 1, 0] - place[0], points[k + 1, 1] - place[1]
+            step = sqrt((next_x - x) ** 2 + (next_y - y) ** 2)
+            way += step / (spacing * max(sqrt(next_x**2 + next_y**2), 0.1))
             after = floor(way)
         if k == 0 or k == last or after != before:
-            kept[count] = points[k]
+            kept[count] = x, y
             count += 1
         before = after
     return kept[:count].copy()

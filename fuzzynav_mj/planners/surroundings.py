@@ -36,31 +36,48 @@ class Surroundings:
 
 def surroundings(perception: Perception, pose: Pose2D, spec: RobotSpec) -> Surroundings:
     """The surroundings of the robot at `pose`."""
-    here = np.array([pose.x, pose.y])
+    place = (pose.x, pose.y)
+    scan = perception.scan
     standing = [o.points for o in perception.obstacles if not o.dynamic]
     movers = [o for o in perception.obstacles if o.dynamic]
-    points = thin(np.concatenate(standing) - here) if standing else np.empty((0, 2))
-    scan = perception.scan
+    points = thin(np.concatenate(standing), place=place) if standing else np.empty((0, 2))
     bearings = scan.bearings + pose.yaw
-    hidden = np.zeros(len(bearings), dtype=bool)
-    ranges = scan.ranges
+    ranges, hidden = scan.ranges, np.zeros(len(bearings), dtype=bool)
+    expected = [np.empty((OUTLOOK, 0, 2))]
+    possible = [np.empty((HORIZON, 0, 2))]
     if movers:
-        offsets = np.concatenate([mover.points for mover in movers]) - here
-        offsets = np.ascontiguousarray(offsets)
-        ranges, hidden, behind = _seen_through(ranges, bearings, offsets, scan.max_range)
+        hits = np.concatenate([mover.points for mover in movers])
+        ranges, hidden, behind = _seen_through(ranges, bearings, hits, place, scan.max_range)
         points = np.concatenate((points, thin(behind)))
-    expected, possible, times = [], [], period_ends(spec, OUTLOOK)
-    for mover in movers:
-        points_now = thin(mover.points - here, MOVER_SPACING).T[None]
-        ways = displacements(mover, here, times)[..., None]
-        expected.append(points_now + ways[0])
-        possible += [points_now + way[:HORIZON] for way in ways[1:]]
-    sight = Sight(points, bearings, ranges, scan.max_range, hidden)
-    return Surroundings(sight, _joined(expected, OUTLOOK), _joined(possible, HORIZON))
+        here, times = np.array(place), period_ends(spec, OUTLOOK)
+        for mover in movers:
+            outline = thin(mover.points, MOVER_SPACING, place)
+            onward, else_where = _carried(outline, displacements(mover, here, times), HORIZON)
+            expected.append(onward)
+            possible.append(else_where)
+    return Surroundings(
+        Sight(points, bearings, ranges, scan.max_range, hidden),
+        np.concatenate(expected, axis=1).transpose(0, 2, 1),
+        np.concatenate(possible, axis=1).transpose(0, 2, 1),
+    )
 
 
-def _joined(places: list[FloatArray], periods: int) -> FloatArray:
-    return np.concatenate(places, axis=2) if places else np.empty((periods, 2, 0))
+@compiled
+def _carried(points: FloatArray, ways: FloatArray, horizon: int) -> tuple[FloatArray, FloatArray]:
+    """(T, k, 2) points (k, 2) carried along the first of ways (w, T, 2), and (horizon, (w - 1) k,
+    2) along the others."""
+    count = len(points)
+    expected = np.empty((ways.shape[1], count, 2))
+    possible = np.empty((horizon, (len(ways) - 1) * count, 2))
+    for t in range(ways.shape[1]):
+        for k in range(count):
+            expected[t, k] = points[k, 0] + ways[0, t, 0], points[k, 1] + ways[0, t, 1]
+    for t in range(horizon):
+        for w in range(1, len(ways)):
+            for k in range(count):
+                place = (w - 1) * count + k
+                possible[t, place] = points[k, 0] + ways[w, t, 0], points[k, 1] + ways[w, t, 1]
+    return expected, possible
 
 
 def period_ends(spec: RobotSpec, count: int = HORIZON) -> FloatArray:
@@ -70,20 +87,25 @@ def period_ends(spec: RobotSpec, count: int = HORIZON) -> FloatArray:
 
 @compiled
 def _seen_through(
-    ranges: FloatArray, bearings: FloatArray, movers: FloatArray, max_range: float
+    ranges: FloatArray,
+    bearings: FloatArray,
+    movers: FloatArray,
+    place: tuple[float, float],
+    max_range: float,
 ) -> tuple[FloatArray, BoolArray, FloatArray]:
     """(n,) ranges without the movers, (n,) which of them a mover hides, and (k, 2) points that are
     thought to stand behind movers: an outline seen on both sides of one goes on behind it.
 
     Args:
         ranges, bearings: (n,) of evenly spaced rays.
-        movers: (j, 2) hits of movers, robot-centred.
+        movers: (j, 2) hits of movers, world frame.
+        place: of the robot, world frame, m.
         max_range: m.
     """
     count = len(bearings)
     hidden = np.zeros(count, dtype=np.bool_)
     for k in range(len(movers)):
-        angle = atan2(movers[k, 1], movers[k, 0]) - bearings[0]
+        angle = atan2(movers[k, 1] - place[1], movers[k, 0] - place[0]) - bearings[0]
         hidden[round(angle * (count / (2 * pi))) % count] = True
     free = np.where(hidden, max_range, ranges)
     behind, found = np.empty((count, 2)), 0
