@@ -219,8 +219,15 @@ def wheel_speeds(v: float, omega: float, spec: RobotSpec) -> WheelSpeeds:
 
 def wheel_table(profile: SpeedProfile, spec: RobotSpec) -> FloatArray:
     """(k, 2) left and right wheel speeds for each physics step, rad/s."""
-    half = profile.omega * (spec.track / 2)
-    table: FloatArray = np.empty((len(half), 2))
-    table[:, 0], table[:, 1] = profile.v - half, profile.v + half
-    table /= spec.wheel_radius
+    return _wheel_table(profile.v, profile.omega, spec.track, spec.wheel_radius)
+
+
+@compiled
+def _wheel_table(v: FloatArray, omega: FloatArray, track: float, wheel_radius: float) -> FloatArray:
+    """See `wheel_table`."""
+    table = np.empty((len(v), 2))
+    for k in range(len(v)):
+        half = omega[k] * (track / 2)
+        table[k, 0] = (v[k] - half) / wheel_radius
+        table[k, 1] = (v[k] + half) / wheel_radius
     return table

@@ -168,20 +168,20 @@ def run_episode(
     outcome = simulation.outcome
     while outcome is None:
         before = perf_counter()
-        pose, twist = simulation.pose, simulation.twist
+        time, pose, twist = simulation.time, simulation.pose, simulation.twist
         look = sensors.look(pose, simulation.scan if sees else None)
         scan = look.scan
         if perceiver is not None and scan is not None and scan is not last_scan:
             seen = perceiver.perceive(scan, look.scan_estimate)
             last_scan = scan
         if seen is not None:
-            age = simulation.time - seen.scan.stamp
+            age = time - seen.scan.stamp
             perception = brought_up(seen, look.estimate, age) if age > NOTICEABLE else seen
         decision = planner.decide(
-            Observation(simulation.time, look.estimate, simulation.commanded, scan, perception)
+            Observation(time, look.estimate, simulation.commanded, scan, perception)
         )
         plan_time = perf_counter() - before
-        time, movers = simulation.time, simulation.mover_positions
+        movers = simulation.mover_positions
         if decision.give_up is not None:
             outcome = Outcome(decision.give_up)
             break

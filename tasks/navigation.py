@@ -239,9 +239,11 @@ class NavigateToGoal(composer.Task):
         places, speeds = take_steps(
             *self._natives,
             self._ctrl,
-            wheel_table(self.profile, spec).take(self._wheel_order, axis=1),
+            wheel_table(self.profile, spec),
+            self._wheel_order,
             self._mocap_places,
-            movers.take(self._mocap_order, axis=1),
+            movers,
+            self._mocap_order,
             self._hit,
             self._place,
             self._speed,
@@ -270,8 +272,9 @@ class NavigateToGoal(composer.Task):
         if offset + count > len(self._table):
             steps = first + np.arange(_TABLE_STEPS + count, dtype=np.float64)
             times = steps * self.spec.physics_period
-            rows = [mover.motion.positions(times) for mover in self.world.movers]
-            self._table = np.stack(rows, axis=1) if rows else np.empty((len(times), 0, 2))
+            self._table = np.empty((len(times), len(self.world.movers), 2))
+            for number, mover in enumerate(self.world.movers):
+                self._table[:, number] = mover.motion.positions(times)
             self._table_start, offset = first, 0
         return self._table[offset : offset + count]
 

@@ -37,8 +37,10 @@ def take_steps(
     data: int,
     ctrl: FloatArray,
     wheels: FloatArray,
+    wheel_of: IntArray,
     mocap: FloatArray,
     movers: FloatArray,
+    mover_of: IntArray,
     hit: FloatArray,
     place: FloatArray,
     speed: FloatArray,
@@ -52,7 +54,9 @@ def take_steps(
         step2, step1: MuJoCo's two halves of a step.
         model, data: addresses of both.
         ctrl: (2,) of the simulation, rad/s; `wheels` (k, 2) is written to it.
+        wheel_of: (2,) the wheel behind each actuator.
         mocap: (movers, 3) of the simulation, m; `movers` (k, movers, 2) is written to it.
+        mover_of: (movers,) the mover behind each mocap body.
         hit: (1,) the contact sensor.
         place: (7,) the simulation's position and quaternion of the chassis.
         speed: (nv,) of the simulation.
@@ -63,9 +67,11 @@ def take_steps(
     steps = len(wheels)
     places, speeds = np.empty((steps, len(place))), np.empty((steps, len(speed)))
     for k in range(steps):
-        ctrl[:] = wheels[k]
+        for i in range(len(ctrl)):
+            ctrl[i] = wheels[k, wheel_of[i]]
         step2(model, data)
-        mocap[:, :2] = movers[k]
+        for i in range(len(mocap)):
+            mocap[i, 0], mocap[i, 1] = movers[k, mover_of[i], 0], movers[k, mover_of[i], 1]
         step1(model, data)
         places[k], speeds[k] = place, speed
         if hit[0] > 0.0:

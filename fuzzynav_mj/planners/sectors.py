@@ -37,7 +37,7 @@ def sector_distances(
     chosen = standing + [o for o in ranked if o.dynamic][:3]
     if not chosen:
         return np.full((len(places), 6), CLEAR)
-    points = np.concatenate([o.points for o in chosen])
+    points = np.ascontiguousarray(np.concatenate([o.points for o in chosen]))
     velocities = np.concatenate([o.velocity for o in chosen])
     sizes = np.array([len(o.points) for o in chosen])
     return _distances(places, travel, points, sizes, len(standing), velocities, ahead, max_range)

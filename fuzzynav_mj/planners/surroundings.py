@@ -46,7 +46,7 @@ def surroundings(perception: Perception, pose: Pose2D, spec: RobotSpec) -> Surro
     expected = [np.empty((OUTLOOK, 0, 2))]
     possible = [np.empty((HORIZON, 0, 2))]
     if movers:
-        hits = np.concatenate([mover.points for mover in movers])
+        hits = np.ascontiguousarray(np.concatenate([mover.points for mover in movers]))
         ranges, hidden, behind = _seen_through(ranges, bearings, hits, place, scan.max_range)
         points = np.concatenate((points, thin(behind)))
         here, times = np.array(place), period_ends(spec, OUTLOOK)

@@ -19,7 +19,7 @@ def steps(
 ) -> tuple[FloatArray, FloatArray]:
     return take_steps(
         native("mj_step2"), native("mj_step1"), model._address, data._address,
-        data.ctrl, wheels, data.mocap_pos, movers, data.sensordata[:1],
+        data.ctrl, wheels, np.arange(2), data.mocap_pos, movers, np.arange(1), data.sensordata[:1],
         data.qpos[:7], data.qvel,
     )  # fmt: skip
 
