@@ -5,112 +5,157 @@ earlier pose. On a surface that stands still the hit lies on that outline, howev
 the signed distance to it, along the outline's normal, is the surface's motion.
 """
 
-from dataclasses import dataclass
-from math import cos, pi, sin
+from collections.abc import Sequence
+from math import atan2, cos, hypot, pi, sin
+from typing import NamedTuple
 
 import numpy as np
 
+from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.sensing.looks import SAME_FACE, Look
+from fuzzynav_mj.sensing.segmentation import MOVING, STATIC, UNKNOWN, Hits
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
+REACH_MARGIN = 0.01  # m: how much farther than the fastest motion believed a surface may have gone
 
-@dataclass(frozen=True, slots=True, eq=False)
-class PointFlow:
-    """Motion of each current hit since an earlier look.
+
+class PointFlow(NamedTuple):
+    """Motion of each of m current hits since f earlier looks.
 
     Attributes:
-        known: (m,) True where the hit can be compared with a surface of the earlier look.
-        distance: (m,) how far the surface moved along `normals`, m, positive towards the robot.
-        normals: (m, 2) unit normals of the earlier surface, towards the earlier pose.
-        intruding: (m,) True where the hit lies well inside what was free space before.
-        elapsed: s between the two looks.
-        sigma: (m,) uncertainty of `distance` that comes from the ranges', m; None for exact ones.
+        known: (f, m) True where the hit can be compared with a surface of the earlier look.
+        distance: (f, m) how far the surface moved along `normals`, m, positive towards the robot.
+        normals: (f, 2, m) unit normals of the earlier surface, towards the earlier pose.
+        intruding: (f, m) True where the hit lies well inside what was free space before.
+        elapsed: (f,) s between the two looks.
+        sigma: (f, m) uncertainty of `distance` that comes from the ranges', m.
     """
 
     known: BoolArray
     distance: FloatArray
     normals: FloatArray
     intruding: BoolArray
-    elapsed: float
-    sigma: FloatArray | None = None
-
-
-REACH_MARGIN = 0.01  # m: how much farther than the fastest motion believed a surface may have gone
+    elapsed: FloatArray
+    sigma: FloatArray
 
 
 def point_flow(
-    rays: IntArray, now: Look, before: Look, top_speed: float, margin: float, max_range: float
+    hits: Hits,
+    now: Look,
+    earlier: Sequence[Look],
+    top_speed: float,
+    margin: float,
+    max_range: float,
 ) -> PointFlow:
-    """Flow of current hits against an earlier look.
+    """Flow of current hits against earlier looks.
 
     Args:
-        rays: (m,) the rays that hit.
+        hits: m of them.
         now: the look they belong to.
-        before: the earlier look.
+        earlier: f looks.
         top_speed: the fastest motion believed, m/s: a hit farther off belongs to another surface.
         margin: how far inside free space a hit must lie to count as intruding, m.
         max_range: the sensor's range, m.
     """
-    count = len(before.ranges)
-    elapsed = now.stamp - before.stamp
-    x, y = now.points.T.take(rays, axis=1)
-    dx, dy = x - before.pose.x, y - before.pose.y
-    c, s = cos(before.pose.yaw), sin(before.pose.yaw)
-    forward, left = c * dx + s * dy, c * dy - s * dx
-    distance = np.hypot(forward, left)
-    ray = ((np.arctan2(left, forward) + pi) * (count / (2 * pi))).astype(np.intp) % count
-    normals = before.normals.T.take(ray, axis=1)
-    surface = before.points.T.take(ray, axis=1)
-    moved = (x - surface[0]) * normals[0] + (y - surface[1]) * normals[1]
-    sigma = _uncertainty(normals, rays, now, ray, before)
-    reach: FloatArray | float = top_speed * elapsed + REACH_MARGIN
-    if sigma is not None:
-        reach = reach + 2.0 * sigma
-    known = before.joined.take(ray) & (np.abs(moved) <= reach) & (distance < max_range)
-    # Beside a corner that moved, the hit may lie on another face than the one seen there before.
-    known &= _faces_along(normals, rays, now)
-    # Behind the earlier surface: either that one moved away, or it is still there and merely hid
-    # this hit before. It has moved if the place where it was is seen to be free now.
-    behind = (known & (moved < 0.0)).nonzero()[0]
-    if len(behind):
-        known[behind] = _depth_behind(surface.take(behind, axis=1), now) > -0.5 * moved[behind]
-    # Between two rays only what is nearer than both was certainly seen to be free.
-    free = np.minimum(before.ranges.take(ray), before.ranges.take(ray + 1, mode="wrap"))
-    if sigma is not None and now.sigma is not None and before.sigma is not None:
-        margin = margin + 2.0 * np.hypot(now.sigma.take(rays), before.sigma.take(ray))
-    intruding = distance < free - margin
-    return PointFlow(known, moved, normals.T, intruding, elapsed, sigma)
+    shape = len(earlier), len(hits.rays)
+    flow = PointFlow(
+        known=np.empty(shape, dtype=bool),
+        distance=np.empty(shape),
+        normals=np.empty((shape[0], 2, shape[1])),
+        intruding=np.empty(shape, dtype=bool),
+        elapsed=np.array([now.stamp - look.stamp for look in earlier]),
+        sigma=np.empty(shape),
+    )
+    for row, before in enumerate(earlier):
+        _compare(hits, now, before, top_speed, margin, max_range, flow, row)
+    return flow
 
 
-def _uncertainty(
-    normals: FloatArray, rays: IntArray, now: Look, earlier: IntArray, before: Look
-) -> FloatArray | None:
-    """(m,) uncertainty along the normals (2, m) of the distances between the outlines, m."""
-    if now.sigma is None or before.sigma is None:
-        return None
-    x, y = now.points.T.take(rays, axis=1) - np.array([[now.pose.x], [now.pose.y]])
-    incidence = (x * normals[0] + y * normals[1]) / np.maximum(np.hypot(x, y), 1e-9)
-    ranges = np.hypot(now.sigma.take(rays), before.sigma.take(earlier))
-    sigma: FloatArray = np.abs(incidence) * ranges
-    return sigma
+@compiled
+def motion_flags(flow: PointFlow, still: float, certainty: float) -> IntArray:
+    """(m,) MOVING, STATIC or UNKNOWN for each hit, as far as it can be told.
+
+    Args:
+        flow: the longest comparison, which has the last word, first.
+        still: a surface that moved less than this stands still, m.
+        certainty: standard deviations of noise beyond `still` that show motion.
+    """
+    looks, count = flow.known.shape
+    flags = np.zeros(count, dtype=np.intp)  # UNKNOWN
+    for i in range(count):
+        for look in range(looks):
+            if flags[i] == UNKNOWN and flow.known[look, i]:
+                moved = abs(flow.distance[look, i]) > still + certainty * flow.sigma[look, i]
+                flags[i] = MOVING if moved else STATIC
+        for look in range(looks):
+            if flow.intruding[look, i]:
+                flags[i] = MOVING
+    return flags
 
 
-def _faces_along(normals: FloatArray, rays: IntArray, look: Look) -> BoolArray:
-    """(m,) True where the surface on either side of the hit has the given normal (2, m)."""
-    agrees = np.zeros(len(rays), dtype=bool)
-    for neighbour in (rays, rays - 1):
-        x, y = look.normals.T.take(neighbour, axis=1)
-        along = x * normals[0] + y * normals[1] > SAME_FACE
-        agrees |= along & look.joined.take(neighbour)
-    return agrees
+@compiled
+def _compare(
+    hits: Hits,
+    now: Look,
+    before: Look,
+    top_speed: float,
+    margin: float,
+    max_range: float,
+    flow: PointFlow,
+    row: int,
+) -> None:
+    """Fills in the row of `flow` for one earlier look; see `point_flow`."""
+    count, c, s = len(before.ranges), cos(before.yaw), sin(before.yaw)
+    reach = top_speed * flow.elapsed[row] + REACH_MARGIN
+    for i in range(len(hits.rays)):
+        x, y = hits.points[0, i], hits.points[1, i]
+        dx, dy = x - before.x, y - before.y
+        forward, left = c * dx + s * dy, c * dy - s * dx
+        distance = hypot(forward, left)
+        ray = int((atan2(left, forward) + pi) * (count / (2 * pi))) % count
+        nx, ny = before.normals[0, ray], before.normals[1, ray]
+        surface_x, surface_y = before.points[0, ray], before.points[1, ray]
+        moved = (x - surface_x) * nx + (y - surface_y) * ny
+        unsure = hypot(now.sigma[hits.rays[i]], before.sigma[ray])
+        sigma = _incidence(x - now.x, y - now.y, nx, ny) * unsure
+        known = (
+            before.joined[ray]
+            and abs(moved) <= reach + 2.0 * sigma
+            and distance < max_range
+            # Beside a corner that moved, the hit may lie on another face than the one seen there
+            # before.
+            and _faces_along(nx, ny, hits.rays[i], now)
+        )
+        # Behind the earlier surface: either that one moved away, or it is still there and merely
+        # hid this hit before. It has moved if the place where it was is seen to be free now.
+        if known and moved < 0.0:
+            known = _depth_behind(surface_x, surface_y, now) > -0.5 * moved
+        # Between two rays only what is nearer than both was certainly seen to be free.
+        free = min(before.ranges[ray], before.ranges[(ray + 1) % count])
+        flow.known[row, i], flow.distance[row, i], flow.sigma[row, i] = known, moved, sigma
+        flow.normals[row, 0, i], flow.normals[row, 1, i] = nx, ny
+        flow.intruding[row, i] = distance < free - (margin + 2.0 * unsure)
 
 
-def _depth_behind(points: FloatArray, look: Look) -> FloatArray:
-    """(m,) how much farther than each point (2, m) the look's rays reach beside it, m."""
-    count = len(look.ranges)
-    dx, dy = points[0] - look.pose.x, points[1] - look.pose.y
-    bearing = np.arctan2(dy, dx) - look.pose.yaw + pi
-    ray = (bearing * (count / (2 * pi))).astype(np.intp)
-    reach = np.minimum(look.ranges.take(ray, mode="wrap"), look.ranges.take(ray + 1, mode="wrap"))
-    depth: FloatArray = reach - np.hypot(dx, dy)
-    return depth
+@compiled
+def _incidence(x: float, y: float, nx: float, ny: float) -> float:
+    """Cosine of the angle between a ray that ends at (x, y) from the sensor, m, and a normal."""
+    return abs((x * nx + y * ny) / max(hypot(x, y), 1e-9))
+
+
+@compiled
+def _faces_along(nx: float, ny: float, ray: int, look: Look) -> bool:
+    """True where the surface on either side of a ray's hit has the given normal."""
+    for k in (ray, ray - 1):
+        if look.joined[k] and look.normals[0, k] * nx + look.normals[1, k] * ny > SAME_FACE:
+            return True
+    return False
+
+
+@compiled
+def _depth_behind(x: float, y: float, look: Look) -> float:
+    """How much farther than a point the look's rays reach beside it, m."""
+    count, dx, dy = len(look.ranges), x - look.x, y - look.y
+    ray = int((atan2(dy, dx) - look.yaw + pi) * (count / (2 * pi)))
+    reach: float = min(look.ranges[ray % count], look.ranges[(ray + 1) % count])
+    return reach - hypot(dx, dy)

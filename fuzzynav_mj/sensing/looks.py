@@ -1,116 +1,130 @@
 """One look: a scan with the pose it was taken from, its hits as points in the world frame."""
 
-from dataclasses import dataclass, replace
-from functools import lru_cache
-from math import cos, pi, sin
+from math import cos, hypot, pi, sin, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
+from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.sensing.cleaning import CleanScan
-from fuzzynav_mj.types import BoolArray, FloatArray, IntArray, LaserScan, Pose2D
+from fuzzynav_mj.types import BoolArray, FloatArray, LaserScan, Pose2D
 
 SAME_FACE = 0.97  # cosine of the largest angle between normals of what is taken as one face
 SAME_LINE = 0.995  # cosine of the largest angle between normals of hits on one straight surface
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Look:
-    """A scan in the world frame.
-
-    Points and normals are stored column by column, so that their transposes give fast x and y.
+class Look(NamedTuple):
+    """A scan in the world frame; a named tuple, which compiled functions take as a whole.
 
     Attributes:
         stamp: simulated time, s.
-        pose: where it was taken from.
+        x, y, yaw: pose that it was taken from, m and rad.
         ranges: (n,) m, the sensor's range where nothing was hit.
         hit: (n,) True where something was hit.
-        points: (n, 2) end points of the rays, world frame; hits only where `hit`.
+        points: (2, n) x and y of the rays' end points, world frame; hits only where `hit`.
         joined: (n,) True where ray i and ray i + 1 (cyclic) hit one continuous surface.
-        normals: (n, 2) unit normal of that surface between the two hits, towards the sensor.
-        sigma: (n,) uncertainty of the ranges, m; None where they are exact.
+        normals: (2, n) unit normal of that surface between the two hits, towards the sensor.
+        sigma: (n,) uncertainty of the ranges, m; zero where they are exact.
     """
 
     stamp: float
-    pose: Pose2D
+    x: float
+    y: float
+    yaw: float
     ranges: FloatArray
     hit: BoolArray
     points: FloatArray
     joined: BoolArray
     normals: FloatArray
-    sigma: FloatArray | None = None
-
-
-@lru_cache(maxsize=512)
-def neighbours(count: int) -> tuple[IntArray, IntArray]:
-    """(count,) index before, and index after, each of `count` elements in a ring."""
-    order = np.arange(count)
-    return np.roll(order, 1), np.roll(order, -1)
+    sigma: FloatArray
 
 
 def take_look(scan: LaserScan, pose: Pose2D) -> Look:
     """The look of one scan."""
-    count = len(scan.ranges)
-    _, after = neighbours(count)
-    c, s = cos(pose.yaw), sin(pose.yaw)
-    x, y = np.cos(scan.bearings), np.sin(scan.bearings)
-    points = np.array([c * x - s * y, s * x + c * y]) * scan.ranges
-    edges = points.take(after, axis=1) - points
-    length = np.sqrt(edges[0] ** 2 + edges[1] ** 2)
-    unit = edges / np.maximum(length, 1e-9)
-    both = scan.hit & scan.hit.take(after)
-    spacing = scan.ranges * (2 * pi / count)
-    joined = both & ((length < 2.5 * spacing + 0.01) | _continues(unit, length, both))
-    return Look(
-        stamp=scan.stamp,
-        pose=pose,
-        ranges=scan.ranges,
-        hit=scan.hit,
-        points=(points + np.array([[pose.x], [pose.y]])).T,
-        joined=joined,
-        # Bearings increase, so the sensor lies to the left of every edge.
-        normals=np.array([-unit[1], unit[0]]).T,
-    )
+    directions = np.cos(scan.bearings), np.sin(scan.bearings)
+    return _look(scan.stamp, pose.x, pose.y, pose.yaw, scan.ranges, scan.hit, *directions)
 
 
 def take_clean_look(clean: CleanScan, pose: Pose2D) -> Look:
     """The look of a scan with noise, on its smoothed outlines."""
-    look = take_look(clean.scan, pose)
-    _, after = neighbours(len(look.ranges))
-    x, y = clean.normals.T
-    next_x, next_y = x.take(after), y.take(after)
-    both = look.hit & look.hit.take(after)
-    edge = look.points.take(after, axis=0) - look.points
-    spacing = look.ranges * (2 * pi / len(look.ranges))
-    unsure = 3.0 * np.hypot(clean.sigma, clean.sigma.take(after))
-    near = np.hypot(edge[:, 0], edge[:, 1]) < 2.5 * spacing + 0.01 + unsure
-    turn = x * next_x + y * next_y
-    x, y = x + next_x, y + next_y
-    length = np.maximum(np.hypot(x, y), 1e-9)
-    c, s = cos(pose.yaw), sin(pose.yaw)
-    normals = np.array([c * x - s * y, s * x + c * y]) / length
-    across = np.abs((edge.T * normals).sum(axis=0))
-    level = across < 0.01 + unsure
-    in_line = (turn > SAME_LINE) & level
-    # Corners and lone hits have no normal that can be trusted: none is compared with it.
-    normals *= (turn > SAME_FACE) & level
-    return replace(look, joined=both & (near | in_line), normals=normals.T, sigma=clean.sigma)
+    return _smooth_look(take_look(clean.scan, pose), clean.sigma, clean.normals)
 
 
-def _continues(unit: FloatArray, length: FloatArray, both: BoolArray) -> BoolArray:
-    """True where a long edge lies in line with a neighbouring one: a wall seen at a grazing angle.
+@compiled
+def _look(
+    stamp: float,
+    x: float,
+    y: float,
+    yaw: float,
+    ranges: FloatArray,
+    hit: BoolArray,
+    ahead: FloatArray,
+    aside: FloatArray,
+) -> Look:
+    """The look of exact ranges.
 
-    The hits on such a wall spread far apart, but they stay on one line, and their distances grow
-    slowly; the edge between two separate obstacles does neither.
+    A long edge between two hits joins them where it lies in line with a neighbouring one: hits on
+    a wall seen at a grazing angle spread far apart, but they stay on one line, and their distances
+    grow slowly; the edge between two separate obstacles does neither.
 
     Args:
-        unit: (2, n) directions of the edges.
-        length: (n,) m.
-        both: (n,) True where both ends of the edge are hits.
+        stamp, x, y, yaw, ranges, hit: the look's.
+        ahead, aside: (n,) cosines and sines of the bearings.
     """
-    before, after = neighbours(len(length))
-    other, earlier = unit.take(before, axis=1), length.take(before)
-    along = unit[0] * other[0] + unit[1] * other[1] > 0.995
-    alike = (length < 2.0 * earlier) & (earlier < 2.0 * length)
-    in_line = along & alike & both & both.take(before)  # with the edge before
-    continued: BoolArray = in_line | in_line.take(after)
-    return continued
+    count = len(ranges)
+    points, normals = np.empty((2, count)), np.empty((2, count))
+    length, c, s = np.empty(count), cos(yaw), sin(yaw)
+    both, joined = np.empty(count, dtype=np.bool_), np.empty(count, dtype=np.bool_)
+    for i in range(count):
+        points[0, i] = (c * ahead[i] - s * aside[i]) * ranges[i]
+        points[1, i] = (s * ahead[i] + c * aside[i]) * ranges[i]
+    for i in range(count):
+        after = (i + 1) % count
+        dx, dy = points[0, after] - points[0, i], points[1, after] - points[1, i]
+        length[i] = sqrt(dx * dx + dy * dy)
+        # Bearings increase, so the sensor lies to the left of every edge.
+        normals[0, i] = -dy / max(length[i], 1e-9)
+        normals[1, i] = dx / max(length[i], 1e-9)
+        both[i] = hit[i] and hit[after]
+        joined[i] = both[i] and length[i] < 2.5 * (ranges[i] * (2 * pi / count)) + 0.01
+    for i in range(count):
+        if both[i] and both[i - 1]:
+            along = normals[1, i] * normals[1, i - 1] + normals[0, i] * normals[0, i - 1]
+            alike = length[i] < 2.0 * length[i - 1] and length[i - 1] < 2.0 * length[i]
+            if along > SAME_LINE and alike:
+                joined[i] = joined[i - 1] = True
+    for i in range(count):
+        points[0, i] += x
+        points[1, i] += y
+    return Look(stamp, x, y, yaw, ranges, hit, points, joined, normals, np.zeros(count))
+
+
+@compiled
+def _smooth_look(look: Look, sigma: FloatArray, straight: FloatArray) -> Look:
+    """The look of smoothed ranges.
+
+    Args:
+        look: as if they were exact.
+        sigma: (n,) their uncertainty, m.
+        straight: (n, 2) normals of the outline at the rays, robot frame; zero at its corners.
+    """
+    points, c, s, count = look.points, cos(look.yaw), sin(look.yaw), len(look.ranges)
+    joined, normals = np.empty(count, dtype=np.bool_), np.zeros((2, count))
+    for i in range(count):
+        after = (i + 1) % count
+        edge_x, edge_y = points[0, after] - points[0, i], points[1, after] - points[1, i]
+        unsure = 3.0 * hypot(sigma[i], sigma[after])
+        near = hypot(edge_x, edge_y) < 2.5 * (look.ranges[i] * (2 * pi / count)) + 0.01 + unsure
+        turn = straight[i, 0] * straight[after, 0] + straight[i, 1] * straight[after, 1]
+        x, y = straight[i, 0] + straight[after, 0], straight[i, 1] + straight[after, 1]
+        length = max(hypot(x, y), 1e-9)
+        nx, ny = (c * x - s * y) / length, (s * x + c * y) / length
+        level = abs(edge_x * nx + edge_y * ny) < 0.01 + unsure
+        in_line = turn > SAME_LINE and level
+        joined[i] = look.hit[i] and look.hit[after] and (near or in_line)
+        # Corners and lone hits have no normal that can be trusted: none is compared with it.
+        if turn > SAME_FACE and level:
+            normals[0, i], normals[1, i] = nx, ny
+    return Look(
+        look.stamp, look.x, look.y, look.yaw, look.ranges, look.hit, points, joined, normals, sigma
+    )

@@ -6,14 +6,16 @@ single velocity explains all hits, or the outline's ends drift apart or together
 """
 
 from collections import deque
+from math import hypot
 
 import numpy as np
 
+from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.sensing.flow import PointFlow
 from fuzzynav_mj.sensing.looks import Look
-from fuzzynav_mj.sensing.outline import end_rates, outline_ends
+from fuzzynav_mj.sensing.outline import end_rates, outlines
 from fuzzynav_mj.sensing.segmentation import MOVING, Hits
-from fuzzynav_mj.types import FloatArray, IntArray
+from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
 FEWEST = 4  # measured hits on either side of a cut
 UNEXPLAINED = 0.03  # m/s: root mean square deviation that calls for a cut
@@ -21,6 +23,7 @@ GAIN = 0.5  # a cut must bring the deviation below this share of it
 STIFFNESS = 0.05  # keeps fits defined along directions that the hits do not constrain
 DRIFT = 0.20  # m/s: difference between the speeds of an outline's ends that calls for a cut
 SAME_GROUP = 0.25  # m between the middles of one group in two looks
+NONE = -1  # no cut
 
 
 class OverlapCutter:
@@ -31,93 +34,150 @@ class OverlapCutter:
     """
 
     def __init__(self, looks: int) -> None:
-        self._memory: deque[list[tuple[float, FloatArray, FloatArray]]] = deque(maxlen=looks)
+        self._memory: deque[tuple[float, FloatArray, FloatArray]] = deque(maxlen=looks)
 
     def cut(
-        self, hits: Hits, begin: IntArray, flags: IntArray, flows: list[PointFlow], now: Look
+        self, hits: Hits, bounds: IntArray, flags: IntArray, flow: PointFlow, now: Look
     ) -> tuple[IntArray, IntArray]:
-        """The obstacles' first hits and flags, those that are two movers cut in two."""
-        cuts: list[int] = []
-        seen: list[tuple[float, FloatArray, FloatArray]] = []
-        ends_of = np.append(begin, len(hits.points))[1:]
-        for index in (flags == MOVING).nonzero()[0]:
-            span = slice(int(begin[index]), int(ends_of[index]))
-            ends = outline_ends(hits, span, now)
-            middle = hits.points[span].mean(axis=0)
-            seen.append((now.stamp, middle, ends))
-            place = _motion_cut_within(span, flows)
-            if place is None and self._drifts(middle, ends, now):
-                place = _corner_within(hits, span, now)
-            if place is not None:
-                cuts.append(place)
-        self._memory.append(seen)
-        if not cuts:
-            return begin, flags
-        places = begin.searchsorted(cuts)
-        return np.insert(begin, places, cuts), np.insert(flags, places, MOVING)
-
-    def _drifts(self, middle: FloatArray, ends: FloatArray, now: Look) -> bool:
-        if np.isnan(ends).any() or not self._memory:
-            return False
-        for stamp, place, before in self._memory[0]:
-            if np.isnan(before).any() or np.hypot(*(place - middle)) > SAME_GROUP:
-                continue
-            across, rates = end_rates(ends, before, now.stamp - stamp, now)
-            # The first end's direction serves for both: they are seen nearly side by side.
-            turn = 1.0 if float(across[0] @ across[1]) > 0.0 else -1.0
-            return bool(abs(rates[0] - turn * rates[1]) > DRIFT)
-        return False
+        """The bounds and flags of the obstacles, those that are two movers cut in two."""
+        moving = flags == MOVING
+        before = self._memory[0] if self._memory else None
+        found = outlines(hits, bounds, now)
+        middles, ends = found.middles[moving], found.ends[moving]
+        self._memory.append((now.stamp, middles, ends))
+        if before is None or len(middles) == 0:
+            return bounds, flags
+        stamp, middles_before, ends_before = before
+        drifting = _drifting(middles, ends, middles_before, ends_before, now.stamp - stamp, now)
+        cuts = _cuts(hits, bounds, moving, drifting, flow, now)
+        if len(cuts) == 0:
+            return bounds, flags
+        places = bounds.searchsorted(cuts)
+        return np.insert(bounds, places, cuts), np.insert(flags, places, MOVING)
 
 
-def motion_cut(normals: FloatArray, rates: FloatArray) -> int | None:
-    """Index of the first hit after the cut; None where one velocity is enough.
+@compiled
+def _cuts(
+    hits: Hits,
+    bounds: IntArray,
+    moving: BoolArray,
+    drifting: BoolArray,
+    flow: PointFlow,
+    look: Look,
+) -> IntArray:
+    """First hits after the cuts.
 
     Args:
-        normals: (m, 2) unit normals of the measured hits, in ray order.
-        rates: (m,) their motion along the normals, m/s.
+        hits, bounds: k groups.
+        moving: (k,) True for those that may be cut.
+        drifting: of these, True where the outline's ends drift apart or together.
+        flow: of the hits.
+        look: that they belong to.
     """
-    count = len(rates)
+    cuts = np.empty(len(moving), dtype=np.intp)
+    count = 0
+    for number, group in enumerate(moving.nonzero()[0]):
+        first, end = bounds[group], bounds[group + 1]
+        place = _motion_cut(flow, first, end) if len(flow.elapsed) > 0 else NONE
+        if place == NONE and drifting[number]:
+            place = _corner(hits, first, end, look)
+        if place != NONE:
+            cuts[count] = place
+            count += 1
+    return cuts[:count]
+
+
+@compiled
+def _drifting(
+    middles: FloatArray,
+    ends: FloatArray,
+    middles_before: FloatArray,
+    ends_before: FloatArray,
+    elapsed: float,
+    look: Look,
+) -> BoolArray:
+    """(k,) True where the ends of a group's outline drift apart or together.
+
+    Args:
+        middles, ends: (k, 2) and (k, 2, 2) of the groups in the look.
+        middles_before, ends_before: (j, 2) and (j, 2, 2) of those in an earlier one.
+        elapsed: s between them.
+        look: the newer one.
+    """
+    drifting = np.zeros(len(middles), dtype=np.bool_)
+    for k in range(len(middles)):
+        for j in range(len(middles_before)):
+            dx, dy = middles_before[j, 0] - middles[k, 0], middles_before[j, 1] - middles[k, 1]
+            across, rates = end_rates(ends[k], ends_before[j], elapsed, look)
+            if hypot(dx, dy) <= SAME_GROUP and not np.isnan(rates[0] + rates[1]):
+                # The first end's direction serves for both: they are seen nearly side by side.
+                along = across[0, 0] * across[1, 0] + across[0, 1] * across[1, 1]
+                turn = 1.0 if along > 0.0 else -1.0
+                drifting[k] = abs(rates[0] - turn * rates[1]) > DRIFT
+                break
+    return drifting
+
+
+@compiled
+def _motion_cut(flow: PointFlow, first: int, end: int) -> int:
+    """The first hit after the cut of a group; `NONE` where one velocity is enough.
+
+    Args:
+        flow: the first row of which is looked at.
+        first: of the group's hits.
+        end: one after the last of them.
+    """
+    known = first + flow.known[0, first:end].nonzero()[0]
+    count = len(known)
     if count < 2 * FEWEST:
-        return None
-    nx, ny = normals.T
-    terms = np.stack((nx * nx, nx * ny, ny * ny, nx * rates, ny * rates, rates * rates))
-    before = np.cumsum(terms, axis=1)
-    total = before[:, -1:]
-    whole = float(_misfit(total)[0])
+        return NONE
+    sums = np.zeros((count + 1, 6))  # over the hits before each
+    for i in range(count):
+        nx, ny = flow.normals[0, 0, known[i]], flow.normals[0, 1, known[i]]
+        rate = flow.distance[0, known[i]] / flow.elapsed[0]
+        terms = (nx * nx, nx * ny, ny * ny, nx * rate, ny * rate, rate * rate)
+        for term in range(6):
+            sums[i + 1, term] = sums[i, term] + terms[term]
+    whole = _misfit(sums[0], sums[count])
     if whole < count * UNEXPLAINED**2:
-        return None
-    cuts = np.arange(FEWEST, count - FEWEST + 1)
-    left = before[:, cuts - 1]
-    parts = _misfit(left) + _misfit(total - left)
-    best = int(parts.argmin())
-    return int(cuts[best]) if parts[best] < GAIN**2 * whole else None
+        return NONE
+    best, place = GAIN**2 * whole, NONE
+    for cut in range(FEWEST, count - FEWEST + 1):
+        parts = _misfit(sums[0], sums[cut]) + _misfit(sums[cut], sums[count])
+        if parts < best:
+            best, place = parts, known[cut]
+    return place
 
 
-def _misfit(sums: FloatArray) -> FloatArray:
-    """(k,) sum of squared deviations from the best velocity, from sums (6, k) over the hits."""
-    xx, xy, yy, xr, yr, rr = sums
-    xx, yy = xx + STIFFNESS, yy + STIFFNESS
-    explained = (yy * xr**2 - 2 * xy * xr * yr + xx * yr**2) / (xx * yy - xy**2)
-    misfit: FloatArray = np.maximum(rr - explained, 0.0)
+@compiled
+def _misfit(before: FloatArray, upto: FloatArray) -> float:
+    """Sum of squared deviations from the best velocity of some hits, from the (6,) sums over the
+    hits before them and over those up to the last of them."""
+    xx, xy, yy = (
+        upto[0] - before[0] + STIFFNESS,
+        upto[1] - before[1],
+        upto[2] - before[2] + STIFFNESS,
+    )
+    xr, yr, rr = upto[3] - before[3], upto[4] - before[4], upto[5] - before[5]
+    explained = (yy * (xr * xr) - 2 * xy * xr * yr + xx * (yr * yr)) / (xx * yy - xy * xy)
+    misfit: float = max(rr - explained, 0.0)
     return misfit
 
 
-def _motion_cut_within(span: slice, flows: list[PointFlow]) -> int | None:
-    if not flows:
-        return None
-    flow = flows[0]
-    known = span.start + flow.known[span].nonzero()[0]
-    cut = motion_cut(flow.normals[known], flow.distance[known] / flow.elapsed)
-    return None if cut is None else int(known[cut])
-
-
-def _corner_within(hits: Hits, span: slice, look: Look) -> int | None:
+@compiled
+def _corner(hits: Hits, first: int, end: int, look: Look) -> int:
     """The hit at the sharpest corner or step of a group's outline, not at its very ends."""
-    if span.stop - span.start < 2 * FEWEST:
-        return None
-    rays = hits.rays[span]
-    normals = look.normals[rays]
-    alike = (normals[:-2] * normals[1:-1]).sum(axis=1)
-    alike = np.where(look.joined[rays[:-2]] & look.joined[rays[1:-1]], alike, -1.0)
-    inner = alike[FEWEST - 2 : len(alike) - FEWEST + 2]
-    return int(span.start) + FEWEST - 1 + int(inner.argmin())
+    sharpest, place = np.inf, NONE
+    if end - first < 2 * FEWEST:
+        return place
+    for i in range(first + FEWEST - 1, end - FEWEST + 1):
+        before, ray = hits.rays[i - 1], hits.rays[i]
+        alike = -1.0
+        if look.joined[before] and look.joined[ray]:
+            alike = (
+                look.normals[0, before] * look.normals[0, ray]
+                + look.normals[1, before] * look.normals[1, ray]
+            )
+        if alike < sharpest:
+            sharpest, place = alike, i
+    return place

@@ -1,11 +1,12 @@
 """The paper's visibility matrix and intersection counts, Eqs. (9)-(11)."""
 
-from math import cos, pi, sin
+from math import atan2, cos, hypot, pi, sin
 
 import numpy as np
 
+from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.sensing.looks import Look
-from fuzzynav_mj.types import BoolArray, FloatArray, IntArray, Pose2D, VisibilityMatrix
+from fuzzynav_mj.types import BoolArray, FloatArray, IntArray, VisibilityMatrix
 
 
 def visibility_matrix(
@@ -17,30 +18,40 @@ def visibility_matrix(
     before the ring. The previous look's hits are seen from the present pose, so that the robot's
     own motion does not change the counts and it need not stop to look twice.
     """
-    radii = np.array(rings)[:, None]
-    occupied = now.hit & (now.ranges <= radii)
-    counts = _per_quarter(occupied, bearings)
+    occupied, counts = _blocked(np.where(now.hit, now.ranges, np.inf), bearings, rings)
     if before is None:
         return VisibilityMatrix(occupied, counts, counts)
-    seen = _ranges_from(before, now.pose, len(bearings))
-    return VisibilityMatrix(occupied, counts, _per_quarter(seen <= radii, bearings))
+    seen = _ranges_from(before, now.x, now.y, now.yaw)
+    return VisibilityMatrix(occupied, counts, _blocked(seen, bearings, rings)[1])
 
 
-def _per_quarter(occupied: BoolArray, bearings: FloatArray) -> IntArray:
-    """(4,) counts in q1 (front right), q2 (front left), q3 (rear left), q4 (rear right)."""
-    right, ahead, left = bearings.searchsorted((-pi / 2, 0.0, pi / 2)).tolist()
-    quarters = ((right, ahead), (ahead, left), (left, len(bearings)), (0, right))
-    return np.array([np.count_nonzero(occupied[:, first:end]) for first, end in quarters])
+@compiled
+def _blocked(
+    ranges: FloatArray, bearings: FloatArray, rings: tuple[float, ...]
+) -> tuple[BoolArray, IntArray]:
+    """(rings, n) where rays are stopped at or before a ring, `inf` for those that are not at all;
+    (4,) counts in q1 (front right), q2 (front left), q3 (rear left), q4 (rear right)."""
+    occupied = np.empty((len(rings), len(ranges)), dtype=np.bool_)
+    counts = np.zeros(4, dtype=np.intp)
+    for i in range(len(ranges)):
+        quarter = 3
+        for number, border in enumerate((-pi / 2, 0.0, pi / 2)):
+            if bearings[i] >= border:
+                quarter = number
+        for ring in range(len(rings)):
+            occupied[ring, i] = ranges[i] <= rings[ring]
+            counts[quarter] += occupied[ring, i]
+    return occupied, counts
 
 
-def _ranges_from(look: Look, pose: Pose2D, count: int) -> FloatArray:
-    """(count,) smallest distance of the look's hits in each bearing's sector around `pose`."""
-    x, y = look.points.T.take(look.hit.nonzero()[0], axis=1)
-    dx, dy = x - pose.x, y - pose.y
-    c, s = cos(pose.yaw), sin(pose.yaw)
-    forward, left = c * dx + s * dy, c * dy - s * dx
-    bearing = np.arctan2(left, forward)
-    ray = np.rint((bearing + pi) * (count / (2 * pi))).astype(np.intp) % count
+@compiled
+def _ranges_from(look: Look, x: float, y: float, yaw: float) -> FloatArray:
+    """(n,) smallest distance of the look's hits in each bearing's sector around a pose."""
+    count, c, s = len(look.hit), cos(yaw), sin(yaw)
     ranges = np.full(count, np.inf)
-    np.minimum.at(ranges, ray, np.hypot(forward, left))
+    for i in look.hit.nonzero()[0]:
+        dx, dy = look.points[0, i] - x, look.points[1, i] - y
+        forward, left = c * dx + s * dy, c * dy - s * dx
+        ray = round((atan2(left, forward) + pi) * (count / (2 * pi))) % count
+        ranges[ray] = min(ranges[ray], hypot(forward, left))
     return ranges
