@@ -10,12 +10,15 @@ from math import pi
 
 import numpy as np
 
+from fuzzynav_mj.disturbance import Disturbance
 from fuzzynav_mj.episode import run_episode
 from fuzzynav_mj.fuzzy.risk import RiskGate
 from fuzzynav_mj.planners.multilayer import MultilayerPlanner
 from fuzzynav_mj.scenarios.motion import Mover, waypoint_motion
 from fuzzynav_mj.scenarios.schema import Scenario
 from fuzzynav_mj.scenarios.shape import Shape
+from fuzzynav_mj.sensing.lateness import brought_up
+from fuzzynav_mj.sensing.perception import Perceiver
 from fuzzynav_mj.tasks.simulation import EpisodeSimulation
 from fuzzynav_mj.types import Pose2D
 
@@ -36,7 +39,8 @@ _BLOCK = ((0.15, -0.1), (0.15, 0.1), (-0.15, 0.1), (-0.2, 0.0), (-0.15, -0.1))
 def rehearse() -> None:
     """Plays the rehearsal, once in a process. Nothing of it stays but what is compiled or filled.
 
-    The robot drives into a pocket, searches the way around it, and meets a mover on the way.
+    The robot drives into a pocket, searches the way around it, and meets a mover on the way. In the
+    end it takes one look with sensors that are noisy and late.
     """
     mover = Mover(
         Shape(np.array(_BLOCK), None), waypoint_motion(np.array([[0.4, 1.5], [0.4, 0.2]]), 0.3)
@@ -60,3 +64,6 @@ def rehearse() -> None:
     simulation = EpisodeSimulation(scenario, 0)
     planner = MultilayerPlanner(RiskGate())
     run_episode(simulation, planner, "fuzzy", simulation.planner_rng, 0.0, {})
+    imperfect = Perceiver(simulation.spec, sensor=Disturbance(range_noise_m=0.01))
+    seen = imperfect.perceive(simulation.scan, simulation.pose)
+    brought_up(seen, simulation.pose, simulation.spec.decision_period)

@@ -4,6 +4,7 @@ import sys
 
 from numba.core.registry import CPUDispatcher
 
+from fuzzynav_mj.disturbance import Disturbance
 from fuzzynav_mj.planners.grid import grid_around
 from fuzzynav_mj.rehearsal import rehearse
 from fuzzynav_mj.runner import play_episode
@@ -27,5 +28,7 @@ def test_nothing_is_left_to_be_compiled_or_filled_in_an_episode() -> None:
     assert before
     for name in ("trap", "narrow"):
         play_episode(load_scenario(name), "fuzzy", 1)
+    noisy = Disturbance(range_noise_m=0.01, dropouts=0.02, delay_periods=1)
+    play_episode(load_scenario("convex"), "fuzzy", 1, noisy)
     assert specialisations() == before
     assert grid_around.cache_info().misses == grids

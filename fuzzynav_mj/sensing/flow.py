@@ -47,27 +47,43 @@ def point_flow(
     margin: float,
     max_range: float,
 ) -> PointFlow:
-    """Flow of current hits against earlier looks.
+    """Flow of current hits against the oldest and the newest remembered look, in this order.
 
     Args:
         hits: m of them.
         now: the look they belong to.
-        earlier: f looks.
+        earlier: remembered looks, the newest last; their number, no more than two, is f.
         top_speed: the fastest motion believed, m/s: a hit farther off belongs to another surface.
         margin: how far inside free space a hit must lie to count as intruding, m.
         max_range: the sensor's range, m.
     """
-    shape = len(earlier), len(hits.rays)
+    looks = (earlier[0], earlier[-1]) if earlier else (now, now)
+    return _flow(hits, now, looks, min(len(earlier), 2), top_speed, margin, max_range)
+
+
+@compiled
+def _flow(
+    hits: Hits,
+    now: Look,
+    earlier: tuple[Look, Look],
+    count: int,
+    top_speed: float,
+    margin: float,
+    max_range: float,
+) -> PointFlow:
+    """Flow against the first `count` of two earlier looks; see `point_flow`."""
+    shape = count, len(hits.rays)
     flow = PointFlow(
-        known=np.empty(shape, dtype=bool),
+        known=np.empty(shape, dtype=np.bool_),
         distance=np.empty(shape),
         normals=np.empty((shape[0], 2, shape[1])),
-        intruding=np.empty(shape, dtype=bool),
-        elapsed=np.array([now.stamp - look.stamp for look in earlier]),
+        intruding=np.empty(shape, dtype=np.bool_),
+        elapsed=np.empty(count),
         sigma=np.empty(shape),
     )
-    for row, before in enumerate(earlier):
-        _compare(hits, now, before, top_speed, margin, max_range, flow, row)
+    for row in range(count):
+        flow.elapsed[row] = now.stamp - earlier[row].stamp
+        _compare(hits, now, earlier[row], top_speed, margin, max_range, flow, row)
     return flow
 
 

@@ -101,10 +101,8 @@ class Perceiver:
         visibility = visibility_matrix(now, previous, scan.bearings, self._spec.rings)
         hits = gather_hits(now)
         settings = self._settings
-        # Against the oldest and the newest remembered look, the longer first.
-        earlier = [self._looks[0], self._looks[-1]] if len(self._looks) > 1 else list(self._looks)
         flow = point_flow(
-            hits, now, earlier, settings.top_speed, settings.margin, self._spec.sensor_range
+            hits, now, self._looks, settings.top_speed, settings.margin, self._spec.sensor_range
         )
         flags = motion_flags(flow, settings.still, settings.certainty)
         if self._unreliable:
@@ -142,16 +140,19 @@ class Perceiver:
     ) -> list[Track | None]:
         """The updated tracks of the obstacles; None for those that stand still."""
         tracks: list[Track | None] = [None] * len(flags)
-        if not self._tracks and not (flags == MOVING).any():
+        kinds, spans = flags.tolist(), list(pairwise(bounds.tolist()))
+        if not self._tracks and MOVING not in kinds:
             return tracks
-        middles, ends = found.middles, found.ends
         # Moving ones take the tracks first, and of those the ones with the most hits.
-        for index in np.lexsort((bounds[:-1] - bounds[1:], -flags)).tolist():
-            first, end = bounds[index : index + 2].tolist()
-            moving = bool(flags[index] == MOVING)
-            track = self._matched(hits.points[:, first:end], middles[index], moving)
+        for index in sorted(
+            range(len(spans)), key=lambda k: (-kinds[k], spans[k][0] - spans[k][1])
+        ):
+            first, end = spans[index]
+            moving = kinds[index] == MOVING
+            track = self._matched(hits.points[:, first:end], found.middles[index], moving)
             if track is not None:
-                track.take_in(flow, (first, end), middles[index], ends[index], now, self._beliefs)
+                ends = found.ends[index]
+                track.take_in(flow, (first, end), found.middles[index], ends, now, self._beliefs)
                 tracks[index] = track if self._is_mover(track) else None
         return tracks
 

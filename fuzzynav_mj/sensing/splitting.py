@@ -7,15 +7,16 @@ single velocity explains all hits, or the outline's ends drift apart or together
 
 from collections import deque
 from math import hypot
+from typing import NamedTuple
 
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.sensing.flow import PointFlow
 from fuzzynav_mj.sensing.looks import Look
-from fuzzynav_mj.sensing.outline import end_rates, outlines
+from fuzzynav_mj.sensing.outline import Outlines, end_rates, outlines
 from fuzzynav_mj.sensing.segmentation import MOVING, Hits
-from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
+from fuzzynav_mj.types import FloatArray, IntArray
 
 FEWEST = 4  # measured hits on either side of a cut
 UNEXPLAINED = 0.03  # m/s: root mean square deviation that calls for a cut
@@ -34,52 +35,56 @@ class OverlapCutter:
     """
 
     def __init__(self, looks: int) -> None:
-        self._memory: deque[tuple[float, FloatArray, FloatArray]] = deque(maxlen=looks)
+        self._memory: deque[_Seen] = deque(maxlen=looks)
 
     def cut(
         self, hits: Hits, bounds: IntArray, flags: IntArray, flow: PointFlow, now: Look
     ) -> tuple[IntArray, IntArray]:
         """The bounds and flags of the obstacles, those that are two movers cut in two."""
-        moving = flags == MOVING
-        before = self._memory[0] if self._memory else None
-        found = outlines(hits, bounds, now)
-        middles, ends = found.middles[moving], found.ends[moving]
-        self._memory.append((now.stamp, middles, ends))
-        if before is None or len(middles) == 0:
-            return bounds, flags
-        stamp, middles_before, ends_before = before
-        drifting = _drifting(middles, ends, middles_before, ends_before, now.stamp - stamp, now)
-        cuts = _cuts(hits, bounds, moving, drifting, flow, now)
+        seen = _Seen(now.stamp, flags, outlines(hits, bounds, now))
+        before = self._memory[0] if self._memory else seen
+        self._memory.append(seen)
+        cuts = _cuts(hits, bounds, seen, before, flow, now)
         if len(cuts) == 0:
             return bounds, flags
         places = bounds.searchsorted(cuts)
         return np.insert(bounds, places, cuts), np.insert(flags, places, MOVING)
 
 
+class _Seen(NamedTuple):
+    """The groups of one look.
+
+    Attributes:
+        stamp: of the look, s.
+        flags: (k,) MOVING or STATIC.
+        outlines: of the k groups.
+    """
+
+    stamp: float
+    flags: IntArray
+    outlines: Outlines
+
+
 @compiled
 def _cuts(
-    hits: Hits,
-    bounds: IntArray,
-    moving: BoolArray,
-    drifting: BoolArray,
-    flow: PointFlow,
-    look: Look,
+    hits: Hits, bounds: IntArray, seen: _Seen, before: _Seen, flow: PointFlow, look: Look
 ) -> IntArray:
-    """First hits after the cuts.
+    """First hits after the cuts of moving groups.
 
     Args:
-        hits, bounds: k groups.
-        moving: (k,) True for those that may be cut.
-        drifting: of these, True where the outline's ends drift apart or together.
+        hits, bounds: of the groups.
+        seen: the groups.
+        before: those of an earlier look; the same ones if there is none.
         flow: of the hits.
         look: that they belong to.
     """
-    cuts = np.empty(len(moving), dtype=np.intp)
-    count = 0
-    for number, group in enumerate(moving.nonzero()[0]):
+    cuts, count = np.empty(len(seen.flags), dtype=np.intp), 0
+    for group in range(len(seen.flags)):
+        if seen.flags[group] != MOVING:
+            continue
         first, end = bounds[group], bounds[group + 1]
         place = _motion_cut(flow, first, end) if len(flow.elapsed) > 0 else NONE
-        if place == NONE and drifting[number]:
+        if place == NONE and _drifts(seen, group, before, look):
             place = _corner(hits, first, end, look)
         if place != NONE:
             cuts[count] = place
@@ -88,34 +93,24 @@ def _cuts(
 
 
 @compiled
-def _drifting(
-    middles: FloatArray,
-    ends: FloatArray,
-    middles_before: FloatArray,
-    ends_before: FloatArray,
-    elapsed: float,
-    look: Look,
-) -> BoolArray:
-    """(k,) True where the ends of a group's outline drift apart or together.
-
-    Args:
-        middles, ends: (k, 2) and (k, 2, 2) of the groups in the look.
-        middles_before, ends_before: (j, 2) and (j, 2, 2) of those in an earlier one.
-        elapsed: s between them.
-        look: the newer one.
-    """
-    drifting = np.zeros(len(middles), dtype=np.bool_)
-    for k in range(len(middles)):
-        for j in range(len(middles_before)):
-            dx, dy = middles_before[j, 0] - middles[k, 0], middles_before[j, 1] - middles[k, 1]
-            across, rates = end_rates(ends[k], ends_before[j], elapsed, look)
-            if hypot(dx, dy) <= SAME_GROUP and not np.isnan(rates[0] + rates[1]):
-                # The first end's direction serves for both: they are seen nearly side by side.
-                along = across[0, 0] * across[1, 0] + across[0, 1] * across[1, 1]
-                turn = 1.0 if along > 0.0 else -1.0
-                drifting[k] = abs(rates[0] - turn * rates[1]) > DRIFT
-                break
-    return drifting
+def _drifts(seen: _Seen, group: int, before: _Seen, look: Look) -> bool:
+    """True where the ends of a moving group's outline drift apart or together."""
+    elapsed = seen.stamp - before.stamp
+    for k in range(len(before.flags)):
+        if before.flags[k] != MOVING or elapsed <= 0.0:
+            continue
+        dx = before.outlines.middles[k, 0] - seen.outlines.middles[group, 0]
+        dy = before.outlines.middles[k, 1] - seen.outlines.middles[group, 1]
+        if hypot(dx, dy) > SAME_GROUP:
+            continue
+        across, rates = end_rates(seen.outlines.ends[group], before.outlines.ends[k], elapsed, look)
+        if not np.isnan(rates[0] + rates[1]):
+            # The first end's direction serves for both: they are seen nearly side by side.
+            along = across[0, 0] * across[1, 0] + across[0, 1] * across[1, 1]
+            turn = 1.0 if along > 0.0 else -1.0
+            drifts: bool = abs(rates[0] - turn * rates[1]) > DRIFT
+            return drifts
+    return False
 
 
 @compiled

@@ -18,30 +18,30 @@ def visibility_matrix(
     before the ring. The previous look's hits are seen from the present pose, so that the robot's
     own motion does not change the counts and it need not stop to look twice.
     """
-    occupied, counts = _blocked(np.where(now.hit, now.ranges, np.inf), bearings, rings)
-    if before is None:
-        return VisibilityMatrix(occupied, counts, counts)
-    seen = _ranges_from(before, now.x, now.y, now.yaw)
-    return VisibilityMatrix(occupied, counts, _blocked(seen, bearings, rings)[1])
+    earlier = now if before is None else before
+    occupied, counts, previous = _counted(now, earlier, bearings, rings)
+    return VisibilityMatrix(occupied, counts, counts if before is None else previous)
 
 
 @compiled
-def _blocked(
-    ranges: FloatArray, bearings: FloatArray, rings: tuple[float, ...]
-) -> tuple[BoolArray, IntArray]:
-    """(rings, n) where rays are stopped at or before a ring, `inf` for those that are not at all;
-    (4,) counts in q1 (front right), q2 (front left), q3 (rear left), q4 (rear right)."""
-    occupied = np.empty((len(rings), len(ranges)), dtype=np.bool_)
-    counts = np.zeros(4, dtype=np.intp)
-    for i in range(len(ranges)):
-        quarter = 3
+def _counted(
+    now: Look, before: Look, bearings: FloatArray, rings: tuple[float, ...]
+) -> tuple[BoolArray, IntArray, IntArray]:
+    """The matrix (rings, n) and the counts (4,) of two looks; see `visibility_matrix`."""
+    count = len(now.ranges)
+    occupied = np.empty((len(rings), count), dtype=np.bool_)
+    counts, previous = np.zeros(4, dtype=np.intp), np.zeros(4, dtype=np.intp)
+    seen = _ranges_from(before, now.x, now.y, now.yaw)
+    for i in range(count):
+        quarter = 3  # rear right; a border counts to its left
         for number, border in enumerate((-pi / 2, 0.0, pi / 2)):
             if bearings[i] >= border:
                 quarter = number
         for ring in range(len(rings)):
-            occupied[ring, i] = ranges[i] <= rings[ring]
+            occupied[ring, i] = now.hit[i] and now.ranges[i] <= rings[ring]
             counts[quarter] += occupied[ring, i]
-    return occupied, counts
+            previous[quarter] += seen[i] <= rings[ring]
+    return occupied, counts, previous
 
 
 @compiled
