@@ -78,7 +78,8 @@ def _on_lines(
     gap, last, recent = LONGEST_GAP + 1, 0.0, 0.0
     for k in range(total):
         breaks[k + 1] = breaks[k]
-        sums[k + 1] = sums[k]
+        for term in range(7):
+            sums[k + 1, term] = sums[k, term]
         if not hit[k]:
             gap += 1
             continue
