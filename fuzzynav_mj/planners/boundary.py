@@ -5,13 +5,14 @@ smallest distance to the goal.
 """
 
 from dataclasses import dataclass
-from math import atan2, hypot, pi
+from math import atan2, cos, hypot, pi, sin
 
 import numpy as np
 
+from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.planners.settings import GuidanceSettings
 from fuzzynav_mj.planners.sight import Sight, Ways
-from fuzzynav_mj.types import FloatArray, IntArray
+from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
 Point = tuple[float, float]  # x, y, world frame, m
 
@@ -100,10 +101,10 @@ class Following:
             sight: what stands; there is something.
             settings: widths.
         """
-        edge = np.array(self.edge) - np.array(place)
-        part = _connected(sight.points, edge, 2 * settings.tight)
-        left_over = np.hypot(part[:, 0] - goal[0], part[:, 1] - goal[1])
-        self.nearest = min(self.nearest, float(left_over.min()))
+        x, y = self.edge[0] - place[0], self.edge[1] - place[1]
+        gap = 2 * settings.tight
+        left_over = _nearest_connected(sight.points, x, y, gap, goal[0], goal[1])
+        self.nearest = min(self.nearest, left_over)
 
     def closes(self, place: Point, gone: float, settings: GuidanceSettings) -> bool:
         """True once the robot is back where following began.
@@ -125,53 +126,102 @@ class Following:
 
     def along(self, place: Point, sight: Sight, ways: Ways) -> int:
         """Ray of the first way beside the boundary; remembers its new edge."""
-        count = len(sight.bearings)
-        outwards = self.outwards(place, sight)
-        start = int(outwards[0])
-        if ways.open[start]:
-            # The boundary has ended here: look behind its end, for at most a third of a turn.
-            inwards = (start - self.side * np.arange(count // 3)) % count
-            closed = np.flatnonzero(~ways.open[inwards])
-            steps = int(closed[0]) if len(closed) else 0
-            first = int(inwards[max(steps - 1, 0)])
-        else:
-            first = int(outwards[int(ways.open[outwards].argmax())])
-        self.edge = blocking_point(place, sight, (first - self.side) % count)
-        # Within this opening, keep a comfortable distance where there is room for it.
-        opening = (first + self.side * np.arange(count // 4)) % count
-        end = int(np.append(ways.open[opening], False).argmin())
-        roomy = np.flatnonzero(ways.comfortable[opening[:end]])
-        return int(opening[roomy[0]]) if len(roomy) else first
+        first, chosen = _ways_beside(
+            self.beside(place, sight), self.side, ways.open, ways.comfortable
+        )
+        self.edge = blocking_point(place, sight, (first - self.side) % len(sight.bearings))
+        return chosen
 
-    def outwards(self, place: Point, sight: Sight) -> IntArray:
-        """(n,) all rays in turn away from the boundary, from where it is nearest to the robot.
+    def beside(self, place: Point, sight: Sight) -> int:
+        """The ray on which the boundary is nearest to the robot.
 
         The edge may lie far ahead, beyond a gap that only opens beside the robot.
         """
-        count = len(sight.bearings)
+        third = len(sight.bearings) // 3
         if self.direction == (0.0, 0.0):
-            start = ray_at(atan2(self.edge[1] - place[1], self.edge[0] - place[0]), sight)
-            beside = (start - self.side * np.arange(count // 3)) % count
-        else:
-            # The boundary is beside the way taken, whatever else lies nearer behind the robot.
-            onward = ray_at(atan2(self.direction[1], self.direction[0]), sight)
-            beside = (onward - self.side * np.arange(count // 3, -1, -1)) % count
-        start = int(beside[int(sight.ranges[beside].argmin())])
-        return (start + self.side * np.arange(count)) % count
+            edge = ray_at(atan2(self.edge[1] - place[1], self.edge[0] - place[0]), sight)
+            return _nearest_ray(sight.ranges, edge, -self.side, third)
+        # The boundary is beside the way taken, whatever else lies nearer behind the robot.
+        onward = ray_at(atan2(self.direction[1], self.direction[0]), sight)
+        return _nearest_ray(sight.ranges, onward - self.side * third, self.side, third + 1)
 
 
-def _connected(points: FloatArray, near: FloatArray, gap: float) -> FloatArray:
-    """The points (k, 2), in ray order, that hang together with the one nearest to `near`."""
-    steps = np.roll(points, -1, axis=0) - points
-    wide = np.hypot(steps[:, 0], steps[:, 1]) > gap
-    if not wide.any():
-        return points
-    first = int(np.flatnonzero(wide)[0]) + 1  # begin the numbering at a gap
-    group = np.roll(np.cumsum(np.roll(np.roll(wide, 1), -first)), first)
-    offset = points - near
-    own = group[int((offset[:, 0] ** 2 + offset[:, 1] ** 2).argmin())]
-    part: FloatArray = points[group == own]
-    return part
+@compiled
+def _nearest_ray(ranges: FloatArray, start: int, step: int, length: int) -> int:
+    """The ray with the shortest of the ranges (n,) on `length` rays from `start` on."""
+    count = len(ranges)
+    nearest = start % count
+    for k in range(1, length):
+        ray = (start + step * k) % count
+        if ranges[ray] < ranges[nearest]:
+            nearest = ray
+    return nearest
+
+
+@compiled
+def _ways_beside(
+    beside: int, side: int, is_open: BoolArray, comfortable: BoolArray
+) -> tuple[int, int]:
+    """Rays of the first way beside the boundary, and of the one taken, which keeps a comfortable
+    distance where there is room for it.
+
+    Args:
+        beside: the ray on which the boundary is nearest.
+        side: +1 or -1, on which the rays turn away from it.
+        is_open, comfortable: (n,) of `Ways`.
+    """
+    count = len(is_open)
+    first = beside
+    if is_open[beside]:
+        # The boundary has ended here: look behind its end, for at most a third of a turn.
+        for k in range(1, count // 3):
+            ray = (beside - side * k) % count
+            if not is_open[ray]:
+                first = (ray + side) % count
+                break
+    else:
+        for k in range(1, count):
+            ray = (beside + side * k) % count
+            if is_open[ray]:
+                first = ray
+                break
+    for k in range(count // 4):
+        ray = (first + side * k) % count
+        if not is_open[ray]:
+            break
+        if comfortable[ray]:
+            return first, ray
+    return first, first
+
+
+@compiled
+def _nearest_connected(
+    points: FloatArray, x: float, y: float, gap: float, to_x: float, to_y: float
+) -> float:
+    """How near the points that hang together with the one nearest to (x, y) come to another place.
+
+    Args:
+        points: (k, 2) in ray order, all around, at least one.
+        x, y: where to begin.
+        gap: to the next point that parts them, m.
+        to_x, to_y: the place.
+    """
+    count = len(points)
+    start, smallest = 0, np.inf
+    for k in range(count):
+        squared = (points[k, 0] - x) ** 2 + (points[k, 1] - y) ** 2
+        if squared < smallest:
+            start, smallest = k, squared
+    nearest = hypot(points[start, 0] - to_x, points[start, 1] - to_y)
+    for step in (1, -1):
+        here = start
+        for _ in range(count - 1):
+            there = (here + step) % count
+            if hypot(points[there, 0] - points[here, 0], points[there, 1] - points[here, 1]) > gap:
+                break
+            nearest = min(nearest, hypot(points[there, 0] - to_x, points[there, 1] - to_y))
+            here = there
+    return nearest
 
 
 def same_boundary(
@@ -181,9 +231,9 @@ def same_boundary(
     other: Point,
 ) -> bool:
     """True if the two points of boundaries hang together as far as can be seen."""
-    part = _connected(sight.points, np.array(one) - np.array(place), BOUNDARY_GAP)
-    offset = part - (np.array(other) - np.array(place))
-    return bool(np.hypot(offset[:, 0], offset[:, 1]).min() < BOUNDARY_GAP)
+    x, y = one[0] - place[0], one[1] - place[1]
+    to_x, to_y = other[0] - place[0], other[1] - place[1]
+    return _nearest_connected(sight.points, x, y, BOUNDARY_GAP, to_x, to_y) < BOUNDARY_GAP
 
 
 def ray_at(bearing: float, sight: Sight) -> int:
@@ -200,10 +250,17 @@ def rays_beside(goal: FloatArray, sight: Sight, side: int) -> IntArray:
 
 def blocking_point(place: Point, sight: Sight, ray: int) -> Point:
     """World-frame point of the obstacle that closes the way at this ray."""
-    bearing = float(sight.bearings[ray])
-    c, s = float(np.cos(bearing)), float(np.sin(bearing))
-    along = sight.points[:, 0] * c + sight.points[:, 1] * s
-    across = np.abs(sight.points[:, 1] * c - sight.points[:, 0] * s)
-    nearest = int(np.where(along > 0.0, across, np.inf).argmin())
-    x, y = sight.points[nearest].tolist()
+    x, y = _blocking(sight.points, sight.bearings[ray])
     return (place[0] + x, place[1] + y)
+
+
+@compiled
+def _blocking(points: FloatArray, bearing: float) -> tuple[float, float]:
+    """The point (k, 2) ahead on a bearing that lies nearest to its line."""
+    c, s = cos(bearing), sin(bearing)
+    nearest, smallest = 0, np.inf
+    for k in range(len(points)):
+        x, y = points[k, 0], points[k, 1]
+        if x * c + y * s > 0.0 and abs(y * c - x * s) < smallest:
+            nearest, smallest = k, abs(y * c - x * s)
+    return points[nearest, 0], points[nearest, 1]

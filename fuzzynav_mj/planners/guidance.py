@@ -21,11 +21,11 @@ from fuzzynav_mj.planners.boundary import (
     rays_beside,
     same_boundary,
 )
-from fuzzynav_mj.planners.openings import blind_ways, promises
-from fuzzynav_mj.planners.reach import free_distance
+from fuzzynav_mj.planners.openings import gaining_way, promises, shortest_way, unreached_rays
+from fuzzynav_mj.planners.reach import free_ahead
 from fuzzynav_mj.planners.search import searched_ways
 from fuzzynav_mj.planners.settings import GuidanceSettings
-from fuzzynav_mj.planners.sight import Sight, Ways, either, range_jumps, straight_ways
+from fuzzynav_mj.planners.sight import Sight, Ways, either, straight_ways
 from fuzzynav_mj.types import FloatArray
 
 BOUNDARY_LOST = 0.1  # m beyond sight
@@ -106,22 +106,20 @@ class Guidance:
         ways = self._ways(place, goal, sight)
         if not ways.open.any():
             return self._heading(place, np.zeros(2), "blocked")
-        left_over = np.hypot(ways.end[:, 0] - goal[0], ways.end[:, 1] - goal[1])
         following = self._following
         if following is None:
-            return self._seek(place, goal, sight, ways, left_over)
+            return self._seek(place, goal, sight, ways)
         along = following.direction
         gone = step[0] * along[0] + step[1] * along[1]
         following.length += gone
         following.reached = min(following.reached, distance)
-        gaining = ways.open & (left_over < following.to_beat(self._settings))
-        if sight.hidden is not None:
-            gaining &= ~sight.hidden  # what a mover hides is no reason to leave
-        if gaining.any():
+        # What a mover hides is no reason to leave.
+        wanted = ways.open if sight.hidden is None else ways.open & ~sight.hidden
+        best = gaining_way(wanted, ways.length, ways.end, goal, following.to_beat(self._settings))
+        if best >= 0:
             self._following = None
             if not following.closed:
                 self._closed_loops = 0  # those were around other boundaries
-            best = int(np.where(gaining, ways.length + left_over, np.inf).argmin())
             return self._heading(place, ways.first_point(best), "goal")
         if following.closes(place, gone, self._settings):
             # Movers may have made it begin elsewhere: what counts the second time round is only
@@ -132,26 +130,27 @@ class Guidance:
             following.begin_anew(place, distance)
         edge = following.edge
         chosen = following.along(place, sight, ways)
-        following.reached = min(following.reached, float(left_over[chosen]))
+        left_over = float(np.hypot(*(ways.end[chosen] - goal)))
+        following.reached = min(following.reached, left_over)
         if among_movers and not same_boundary(place, sight, edge, following.edge):
             self._driven_off = (following.side, place)
             following.begin_anew(place, distance)
             following.watch(place, goal, sight, self._settings)
-        cost = float(ways.length[chosen] + left_over[chosen])
+        cost = float(ways.length[chosen]) + left_over
         if self._other_side_pays(place, sight, cost, following):
             chosen = following.along(place, sight, ways)
         return self._follow(place, sight, ways, chosen, following)
 
-    def _seek(
-        self, place: Point, goal: FloatArray, sight: Sight, ways: Ways, left_over: FloatArray
-    ) -> Heading:
+    def _seek(self, place: Point, goal: FloatArray, sight: Sight, ways: Ways) -> Heading:
         """The shortest way to the goal, as far as can be seen; where all lead away from it, a
         boundary is followed from now on."""
         ahead = ray_at(atan2(goal[1], goal[0]), sight)
-        blind = blind_ways(ahead, sight.ranges, sight.max_range, ways.open)
-        best = int((ways.length + left_over + self._settings.blind_penalty * blind).argmin())
+        best, left_over = shortest_way(
+            ahead, sight.ranges, sight.max_range,
+            ways.open, ways.length, ways.end, goal, self._settings.blind_penalty,
+        )  # fmt: skip
         bearing = float(sight.bearings[best])
-        if left_over[best] < float(np.hypot(*goal)) and not self._turned_back(bearing):
+        if left_over < float(np.hypot(*goal)) and not self._turned_back(bearing):
             self._bearing = bearing
             return self._onward(place, ways.first_point(best))
         if self._onward_to is not None and self._doubts < DOUBTS:
@@ -217,18 +216,17 @@ class Guidance:
         return Heading(subgoal, mode, direct, self._closed_loops)
 
     def _goal_in_reach(self, goal: FloatArray, distance: float, sight: Sight) -> bool:
-        bearing = np.array([atan2(goal[1], goal[0])])
+        bearing = atan2(goal[1], goal[0])
         if distance <= sight.max_range:
-            free = free_distance(sight.points, bearing, self._settings.tight)[0]
-            return bool(free >= distance - self._tolerance)
+            free = free_ahead(sight.points, bearing, self._settings.tight)
+            return free >= distance - self._tolerance
         following = self._following
         if following is not None and distance - sight.max_range >= following.to_beat(
             self._settings
         ):
             return False
         width = self._settings.comfortable
-        free = free_distance(sight.points, bearing, width)[0]
-        return bool(free >= sight.max_range - width)
+        return free_ahead(sight.points, bearing, width) >= sight.max_range - width
 
     def _ways(self, place: Point, goal: FloatArray, sight: Sight) -> Ways:
         """Comfortable ways, tight ones where they save enough, searched ones where they might."""
@@ -247,16 +245,13 @@ class Guidance:
                 ways.open, ways.length, ways.end, goal,
             )  # fmt: skip
             return promised < have - self._settings.search_gain
-        jump, _ = range_jumps(sight.ranges, self._settings.tight)
-        hopeful = ((sight.ranges >= sight.max_range - 1e-9) | jump) & ~ways.open
-        if not hopeful.any():
-            return False
-        order = self._following.outwards(place, sight)
-        if not ways.open.any():
-            return True
+        following = self._following
+        lead = unreached_rays(
+            following.beside(place, sight), following.side,
+            sight.ranges, sight.max_range, self._settings.tight, ways.open,
+        )  # fmt: skip
         # The width of the robot hides a few rays beside every edge; those promise nothing.
-        hidden = self._settings.tight / sight.max_range * len(order) / (2 * pi)
-        lead = int(ways.open[order].argmax()) - int((hopeful | ways.open)[order].argmax())
+        hidden = self._settings.tight / sight.max_range * len(sight.ranges) / (2 * pi)
         return lead > 1.5 * hidden
 
     def _begin(
@@ -320,7 +315,7 @@ class Guidance:
             return False
         if back > sight.max_range:
             return False
-        free = free_distance(sight.points, np.array([atan2(y, x)]), self._settings.tight)[0]
+        free = free_ahead(sight.points, atan2(y, x), self._settings.tight)
         if free < back - self._tolerance:
             return False
         following.turn_round(place, other)

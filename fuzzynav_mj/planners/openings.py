@@ -70,3 +70,71 @@ def blind_ways(
             for step in range(count // 2):
                 blind[(goal_ray + side * step) % count] = True
     return blind
+
+
+@compiled
+def shortest_way(
+    goal_ray: int,
+    ranges: FloatArray,
+    max_range: float,
+    is_open: BoolArray,
+    length: FloatArray,
+    end: FloatArray,
+    goal: FloatArray,
+    penalty: float,
+) -> tuple[int, float]:
+    """The open way that makes the shortest one to the goal, blind ways burdened with a penalty
+    (m); and what is left from its end, m."""
+    blind = blind_ways(goal_ray, ranges, max_range, is_open)
+    best, shortest, remains = -1, inf, inf
+    for i in range(len(length)):
+        left_over = hypot(end[i, 0] - goal[0], end[i, 1] - goal[1])
+        total = length[i] + left_over + penalty * blind[i]
+        if total < shortest:
+            best, shortest, remains = i, total, left_over
+    return best, remains
+
+
+@compiled
+def gaining_way(
+    wanted: BoolArray, length: FloatArray, end: FloatArray, goal: FloatArray, to_beat: float
+) -> int:
+    """Of the ways wanted (n,) that end nearer to the goal than `to_beat` (m) the one that makes the
+    shortest way to it; -1 where there is none."""
+    best, shortest = -1, inf
+    for i in range(len(wanted)):
+        left_over = hypot(end[i, 0] - goal[0], end[i, 1] - goal[1])
+        if wanted[i] and left_over < to_beat and length[i] + left_over < shortest:
+            best, shortest = i, length[i] + left_over
+    return best
+
+
+@compiled
+def unreached_rays(
+    beside: int,
+    side: int,
+    ranges: FloatArray,
+    max_range: float,
+    width: float,
+    is_open: BoolArray,
+) -> int:
+    """By how many rays free ground that no straight way reaches comes before the first way, turning
+    away from a boundary; all rays where there is no way.
+
+    Args:
+        beside: the ray on which the boundary is nearest.
+        side: +1 or -1, on which the rays turn away from it.
+        ranges: (n,) m.
+        max_range: m.
+        width: that the robot needs, m.
+        is_open: (n,) where straight ways lead on.
+    """
+    count, seen = len(ranges), -1
+    jump, _ = range_jumps(ranges, width)
+    for k in range(count):
+        ray = (beside + side * k) % count
+        if is_open[ray]:
+            return k - seen if seen >= 0 else 0
+        if seen < 0 and (jump[ray] or ranges[ray] >= max_range - 1e-9):
+            seen = k
+    return count if seen >= 0 else 0

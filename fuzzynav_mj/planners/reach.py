@@ -19,12 +19,19 @@ def free_distance(points: FloatArray, bearings: FloatArray, width: float) -> Flo
 @compiled
 def _free(points: FloatArray, bearings: FloatArray, width: float) -> FloatArray:
     """See `free_distance`."""
-    free = np.full(len(bearings), np.inf)
+    free = np.empty(len(bearings))
     for i in range(len(bearings)):
-        c, s = cos(bearings[i]), sin(bearings[i])
-        for k in range(len(points)):
-            x, y = points[k, 0], points[k, 1]
-            free[i] = min(free[i], _until_met(c * x + s * y, c * y - s * x, width))
+        free[i] = free_ahead(points, bearings[i], width)
+    return free
+
+
+@compiled
+def free_ahead(points: FloatArray, bearing: float, width: float) -> float:
+    """The same on one bearing; points (k, 2) row by row."""
+    c, s, free = cos(bearing), sin(bearing), inf
+    for k in range(len(points)):
+        x, y = points[k, 0], points[k, 1]
+        free = min(free, _until_met(c * x + s * y, c * y - s * x, width))
     return free
 
 
