@@ -5,7 +5,7 @@ sine of the bearing. Each hit is put on the line that fits the longest stretch o
 that is straight as far as the noise lets one tell; an outline's corners end such stretches.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import sqrt
 
 import numpy as np
@@ -57,7 +57,8 @@ def clean_scan(scan: LaserScan, noise: float) -> CleanScan:
         noise,
         scan.max_range,
     )
-    return CleanScan(replace(scan, ranges=ranges, hit=hit), sigma, normals)
+    cleaned = LaserScan(scan.stamp, scan.bearings, ranges, hit, scan.max_range)
+    return CleanScan(cleaned, sigma, normals)
 
 
 @compiled

@@ -23,7 +23,8 @@ class PointFlow(NamedTuple):
     """Motion of each of m current hits since f earlier looks.
 
     Attributes:
-        known: (f, m) True where the hit can be compared with a surface of the earlier look.
+        known: (f, m) True where the hit can be compared with a surface of the earlier look; none
+            where that look is of the same time.
         distance: (f, m) how far the surface moved along `normals`, m, positive towards the robot.
         normals: (f, 2, m) unit normals of the earlier surface, towards the earlier pose.
         intruding: (f, m) True where the hit lies well inside what was free space before.
@@ -88,28 +89,6 @@ def _flow(
 
 
 @compiled
-def motion_flags(flow: PointFlow, still: float, certainty: float) -> IntArray:
-    """(m,) MOVING, STATIC or UNKNOWN for each hit, as far as it can be told.
-
-    Args:
-        flow: the longest comparison, which has the last word, first.
-        still: a surface that moved less than this stands still, m.
-        certainty: standard deviations of noise beyond `still` that show motion.
-    """
-    looks, count = flow.known.shape
-    flags = np.zeros(count, dtype=np.intp)  # UNKNOWN
-    for i in range(count):
-        for look in range(looks):
-            if flags[i] == UNKNOWN and flow.known[look, i]:
-                moved = abs(flow.distance[look, i]) > still + certainty * flow.sigma[look, i]
-                flags[i] = MOVING if moved else STATIC
-        for look in range(looks):
-            if flow.intruding[look, i]:
-                flags[i] = MOVING
-    return flags
-
-
-@compiled
 def _compare(
     hits: Hits,
     now: Look,
@@ -135,7 +114,8 @@ def _compare(
         unsure = hypot(now.sigma[hits.rays[i]], before.sigma[ray])
         sigma = _incidence(x - now.x, y - now.y, nx, ny) * unsure
         known = (
-            before.joined[ray]
+            flow.elapsed[row] > 0.0
+            and before.joined[ray]
             and abs(moved) <= reach + 2.0 * sigma
             and distance < max_range
             # Beside a corner that moved, the hit may lie on another face than the one seen there
@@ -175,3 +155,25 @@ def _depth_behind(x: float, y: float, look: Look) -> float:
     ray = int((atan2(dy, dx) - look.yaw + pi) * (count / (2 * pi)))
     reach: float = min(look.ranges[ray % count], look.ranges[(ray + 1) % count])
     return reach - hypot(dx, dy)
+
+
+@compiled
+def motion_flags(flow: PointFlow, still: float, certainty: float) -> IntArray:
+    """(m,) MOVING, STATIC or UNKNOWN for each hit, as far as it can be told.
+
+    Args:
+        flow: the longest comparison, which has the last word, first.
+        still: a surface that moved less than this stands still, m.
+        certainty: standard deviations of noise beyond `still` that show motion.
+    """
+    looks, count = flow.known.shape
+    flags = np.zeros(count, dtype=np.intp)  # UNKNOWN
+    for i in range(count):
+        for look in range(looks):
+            if flags[i] == UNKNOWN and flow.known[look, i]:
+                moved = abs(flow.distance[look, i]) > still + certainty * flow.sigma[look, i]
+                flags[i] = MOVING if moved else STATIC
+        for look in range(looks):
+            if flow.intruding[look, i]:
+                flags[i] = MOVING
+    return flags

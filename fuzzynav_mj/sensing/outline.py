@@ -66,7 +66,7 @@ def end_rates(
     ends: FloatArray, before: FloatArray, elapsed: float, look: Look
 ) -> tuple[FloatArray, FloatArray]:
     """(2, 2) directions across the lines of sight to the ends, and (2,) how fast each moved in its
-    direction, m/s; nan for an end that is not known in both looks.
+    direction, m/s; nan for an end that is not known in both looks, or if no time has passed.
 
     Args:
         ends: (2, 2) as the look shows them, world frame.
@@ -76,7 +76,7 @@ def end_rates(
     """
     across, rates = np.zeros((2, 2)), np.full(2, np.nan)
     for end in range(2):
-        if np.isnan(ends[end, 0]) or np.isnan(before[end, 0]):
+        if np.isnan(ends[end, 0] + before[end, 0]) or elapsed <= 0.0:
             continue
         x, y = ends[end, 0] - look.x, ends[end, 1] - look.y
         length = max(hypot(x, y), 1e-9)

@@ -97,7 +97,7 @@ def _drifts(seen: _Seen, group: int, before: _Seen, look: Look) -> bool:
     """True where the ends of a moving group's outline drift apart or together."""
     elapsed = seen.stamp - before.stamp
     for k in range(len(before.flags)):
-        if before.flags[k] != MOVING or elapsed <= 0.0:
+        if before.flags[k] != MOVING:
             continue
         dx = before.outlines.middles[k, 0] - seen.outlines.middles[group, 0]
         dy = before.outlines.middles[k, 1] - seen.outlines.middles[group, 1]

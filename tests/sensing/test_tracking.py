@@ -5,9 +5,11 @@ from math import cos, exp, hypot, pi, sin
 import numpy as np
 import pytest
 
+from fuzzynav_mj.robot import DEFAULT_ROBOT
 from fuzzynav_mj.sensing.flow import PointFlow
 from fuzzynav_mj.sensing.lidar import ray_bearings
 from fuzzynav_mj.sensing.looks import Look, take_look
+from fuzzynav_mj.sensing.perception import Perceiver
 from fuzzynav_mj.sensing.tracking import (
     ACCELERATION_SIGMA,
     ACCELERATION_TIME,
@@ -122,6 +124,19 @@ def test_ends_of_the_outline_tell_the_speed_across_the_line_of_sight_only() -> N
     assert float(track.velocity @ across) == pytest.approx(speed, abs=2e-3)
     assert float(track.velocity @ sight) == pytest.approx(0.0, abs=1e-12)
     assert track.sigma_along(*sight.tolist()) > 5.0 * track.sigma_along(*across.tolist())
+
+
+def test_looks_at_the_same_time_give_no_speed_and_no_error() -> None:
+    ranges = np.full(180, 0.8)
+    ranges[80:90] = 0.5
+    perceiver, here = Perceiver(DEFAULT_ROBOT), Pose2D(0.0, 0.0, 0.0)
+    for shift in (0.0, 0.02, 0.04, 0.08):
+        nearer = np.where(ranges < 0.8, ranges - shift, ranges)
+        scan = LaserScan(1.0, ray_bearings(180), nearer, ranges < 0.8, 0.8)
+        seen = perceiver.perceive(scan, here)
+    assert len(seen.obstacles) == 1
+    assert seen.obstacles[0].distance == pytest.approx(0.42)
+    assert np.isfinite(seen.obstacles[0].velocity).all()
 
 
 def test_uncertainty_along_a_direction_is_that_of_the_covariance() -> None:
