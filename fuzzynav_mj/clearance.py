@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
+from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.geometry import footprints
 from fuzzynav_mj.types import FloatArray, IntArray
 
@@ -67,7 +68,8 @@ def min_clearance(
         m; 0 where they touched, inf where there is nothing to touch.
     """
     finite = np.isfinite(poses).all(axis=1)
-    poses, mover_positions = poses[finite], mover_positions[finite]
+    if not finite.all():
+        poses, mover_positions = poses[finite], mover_positions[finite]
     if len(poses) == 0:
         return math.inf
     smallest = float(_wall_and_circle_gaps(poses, mover_positions, world, half_side).min())
@@ -83,7 +85,7 @@ def min_clearance(
     first, last, obstacles = steps[:-1].ravel(), steps[1:].ravel(), obstacles[:-1].ravel()
     gap_first, gap_last = gaps[:-1].ravel(), gaps[1:].ravel()
     while len(first) and smallest > 0.0:
-        way = travelled[last, obstacles] - travelled[first, obstacles]
+        way = travelled[obstacles, last] - travelled[obstacles, first]
         live = (last - first > 1) & (gap_first + gap_last - way < 2 * smallest)
         first, last, obstacles = first[live], last[live], obstacles[live]
         gap_first, gap_last = gap_first[live], gap_last[live]
@@ -102,27 +104,38 @@ class _Approach:
 
     Attributes:
         polygons: (k,) shapely polygons in their own frames.
-        relative: (n, k, 2) footprint's centre in the polygons' frames, m.
-        yaw: (n,) of the footprint, rad.
+        mover: (k,) number of the mover that each one is, -1 for those that stand.
+        poses: (n, 3) of the footprint, world frame.
+        mover_positions: (n, movers, 2) origins of the movers' frames, world frame.
         half_side: m.
     """
 
     polygons: npt.NDArray[np.object_]
-    relative: FloatArray
-    yaw: FloatArray
+    mover: IntArray
+    poses: FloatArray
+    mover_positions: FloatArray
     half_side: float
+
+    def centres(self, steps: IntArray, obstacles: IntArray) -> FloatArray:
+        """(..., 2) the footprint's centre in the polygons' frames, m, for (...) pairs of both."""
+        steps, obstacles = np.broadcast_arrays(steps, obstacles)
+        centres = self.poses[steps, :2]
+        mover = self.mover[obstacles]
+        moves = mover >= 0
+        centres[moves] -= self.mover_positions[steps[moves], mover[moves]]
+        return centres
 
     def lower_bounds(self, steps: IntArray, obstacles: IntArray) -> FloatArray:
         """Gaps between the footprint's outer circle and the obstacles' bounding boxes."""
         box = shapely.bounds(self.polygons)[obstacles]
-        centre = self.relative[steps, obstacles]
+        centre = self.centres(steps, obstacles)
         outside = np.maximum(np.maximum(box[..., :2] - centre, centre - box[..., 2:]), 0.0)
         reach = self.half_side * math.sqrt(2.0)
         return np.maximum(np.hypot(outside[..., 0], outside[..., 1]) - reach, 0.0)
 
     def gaps(self, steps: IntArray, obstacles: IntArray) -> FloatArray:
         """(p,) exact gaps of p pairs of step and obstacle."""
-        poses = np.column_stack([self.relative[steps, obstacles], self.yaw[steps]])
+        poses = np.column_stack([self.centres(steps, obstacles), self.poses[steps, 2]])
         return shapely.distance(self.polygons[obstacles], footprints(poses, self.half_side))
 
     def gaps_below(
@@ -138,12 +151,34 @@ class _Approach:
         return gaps, float(gaps.min(initial=smallest))
 
     def travelled(self) -> FloatArray:
-        """(n, k) way since the start that no point of the footprint can have exceeded, m."""
-        moved = np.diff(self.relative, axis=0)
-        turned = self.half_side * math.sqrt(2.0) * np.abs(np.diff(self.yaw))
-        way = np.zeros(self.relative.shape[:2])
-        np.cumsum(np.hypot(moved[..., 0], moved[..., 1]) + turned[:, None], axis=0, out=way[1:])
-        return way
+        """(k, n) way since the start that no point of the footprint can have exceeded, m."""
+        reach = self.half_side * math.sqrt(2.0)
+        poses, movers = map(np.ascontiguousarray, (self.poses, self.mover_positions))
+        ways = _travelled(poses, movers, reach)
+        return ways[self.mover]  # the last row is that of what stands
+
+
+@compiled
+def _travelled(poses: FloatArray, movers: FloatArray, reach: float) -> FloatArray:
+    """(movers + 1, n) way of the footprint relative to each mover, and to what stands, m.
+
+    Args:
+        poses: (n, 3).
+        movers: (n, movers, 2).
+        reach: of the footprint from its centre, m.
+    """
+    count = movers.shape[1]
+    ways = np.zeros((count + 1, len(poses)))
+    for o in range(count + 1):
+        for k in range(1, len(poses)):
+            x, y = poses[k, 0], poses[k, 1]
+            before_x, before_y = poses[k - 1, 0], poses[k - 1, 1]
+            if o < count:
+                x, y = x - movers[k, o, 0], y - movers[k, o, 1]
+                before_x, before_y = before_x - movers[k - 1, o, 0], before_y - movers[k - 1, o, 1]
+            turned = reach * abs(poses[k, 2] - poses[k - 1, 2])
+            ways[o, k] = ways[o, k - 1] + (math.hypot(x - before_x, y - before_y) + turned)
+    return ways
 
 
 def _shapes(mover_positions: FloatArray, world: "World") -> Iterator[tuple["Shape", FloatArray]]:
@@ -157,17 +192,13 @@ def _shapes(mover_positions: FloatArray, world: "World") -> Iterator[tuple["Shap
 def _approach(
     poses: FloatArray, mover_positions: FloatArray, world: "World", half_side: float
 ) -> _Approach:
-    found = [
-        (shape.footprint, origins)
-        for shape, origins in _shapes(mover_positions, world)
-        if shape.circle is None
-    ]
-    polygons = np.array([polygon for polygon, _ in found], dtype=object)
+    standing = [shape for shape in world.static if shape.circle is None]
+    numbers = [i for i, mover in enumerate(world.movers) if mover.shape.circle is None]
+    shapes = standing + [world.movers[number].shape for number in numbers]
+    polygons = np.array([shape.footprint for shape in shapes], dtype=object)
     shapely.prepare(polygons)
-    relative = np.empty((len(poses), len(found), 2))
-    for index, (_, origins) in enumerate(found):
-        relative[:, index] = poses[:, :2] - origins
-    return _Approach(polygons, relative, poses[:, 2], half_side)
+    mover = np.array([-1] * len(standing) + numbers, dtype=np.intp)
+    return _Approach(polygons, mover, poses, mover_positions, half_side)
 
 
 def _wall_and_circle_gaps(
