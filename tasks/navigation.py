@@ -20,7 +20,7 @@ from fuzzynav_mj.scenarios.world import World, make_world
 from fuzzynav_mj.sensing.lidar import Lidar
 from fuzzynav_mj.tasks.arena import NavigationArena
 from fuzzynav_mj.tasks.robot import DiffDrive
-from fuzzynav_mj.tasks.stepping import native, take_steps, true_motion
+from fuzzynav_mj.tasks.stepping import native, take_steps
 from fuzzynav_mj.types import (
     Contact,
     FloatArray,
@@ -33,11 +33,9 @@ from fuzzynav_mj.types import (
 
 AT_FAULT_SPEED = 0.02  # m/s: slower than this the robot stood still when it was touched
 GOAL_YAW_TOLERANCE = 0.1  # rad
-_DIVERGENCE = [
-    int(mujoco.mjtWarning.mjWARN_BADQPOS),
-    int(mujoco.mjtWarning.mjWARN_BADQVEL),
-    int(mujoco.mjtWarning.mjWARN_BADQACC),
-]
+_DIVERGENCE = slice(  # of position, speed and acceleration
+    int(mujoco.mjtWarning.mjWARN_BADQPOS), int(mujoco.mjtWarning.mjWARN_BADQACC) + 1
+)
 _TABLE_STEPS = 2000  # physics steps for which mover positions are computed at a time
 
 
@@ -174,7 +172,7 @@ class NavigateToGoal(composer.Task):
                 model.geom_friction[model.geom(geom.full_identifier).id, 0] = self._friction
         self._natives = native("mj_step2"), native("mj_step1"), model._address, data._address
         self._ctrl, self._speed = data.ctrl, data.qvel
-        self._warnings = data.warning.number
+        self._warnings = data.warning.number[_DIVERGENCE]
         actuators = [model.actuator(a.full_identifier).id for a in self._robot.actuators]
         self._wheel_order = np.argsort(actuators)  # the wheel behind each actuator
         hit = model.sensor(self._robot.mjcf_model.find("sensor", "hit").full_identifier)
@@ -236,7 +234,7 @@ class NavigateToGoal(composer.Task):
         """
         spec = self.spec
         movers = self._mover_rows(self._step + 1, spec.substeps)
-        places, speeds = take_steps(
+        poses, rates, slip = take_steps(
             *self._natives,
             self._ctrl,
             wheel_table(self.profile, spec),
@@ -247,23 +245,19 @@ class NavigateToGoal(composer.Task):
             self._hit,
             self._place,
             self._speed,
-        )
-        taken = len(places)
-        self._step += taken
-        if self._hit.item() > 0.0:
-            self._contact = self._read_contact()
-        # Warnings tell of numbers that are too large, not only of those that are not finite.
-        self._diverged = bool(self._warnings.take(_DIVERGENCE).any())
-        self._pose = self._scan = None
-        poses, rates, slip = true_motion(
-            places,
-            speeds,
             self._speed_slice.start,
             self._wheel_dofs,
             spec.track,
             spec.wheel_radius,
             spec.axle_offset,
         )
+        taken = len(poses)
+        self._step += taken
+        if self._hit.item() > 0.0:
+            self._contact = self._read_contact()
+        # Warnings tell of numbers that are too large, not only of those that are not finite.
+        self._diverged = bool(self._warnings.any())
+        self._pose = self._scan = None
         return BlockTruth(poses, movers[:taken], rates, slip)
 
     def _mover_rows(self, first: int, count: int) -> FloatArray:

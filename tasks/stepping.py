@@ -44,8 +44,13 @@ def take_steps(
     hit: FloatArray,
     place: FloatArray,
     speed: FloatArray,
-) -> tuple[FloatArray, FloatArray]:
-    """Takes k steps, or fewer where a contact ends them.
+    chassis: int,
+    wheel_dofs: IntArray,
+    track: float,
+    wheel_radius: float,
+    axle_offset: float,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Takes k steps, or fewer where a contact ends them; returns what `true_motion` tells of them.
 
     Each begins with the forces and ends with the positions, the contact sensor among them, of the
     state it leads to; so first contact is read before any force of it has acted.
@@ -60,9 +65,7 @@ def take_steps(
         hit: (1,) the contact sensor.
         place: (7,) the simulation's position and quaternion of the chassis.
         speed: (nv,) of the simulation.
-
-    Returns:
-        (steps taken, 7) places and (steps taken, nv) speeds after each step.
+        chassis, wheel_dofs, track, wheel_radius, axle_offset: as in `true_motion`.
     """
     steps = len(wheels)
     places, speeds = np.empty((steps, len(place))), np.empty((steps, len(speed)))
@@ -75,8 +78,11 @@ def take_steps(
         step1(model, data)
         places[k], speeds[k] = place, speed
         if hit[0] > 0.0:
-            return places[: k + 1].copy(), speeds[: k + 1].copy()
-    return places, speeds
+            steps = k + 1
+            break
+    return true_motion(
+        places[:steps], speeds[:steps], chassis, wheel_dofs, track, wheel_radius, axle_offset
+    )
 
 
 @compiled
@@ -84,7 +90,7 @@ def true_motion(
     places: FloatArray,
     speeds: FloatArray,
     chassis: int,
-    wheels: IntArray,
+    wheel_dofs: IntArray,
     track: float,
     wheel_radius: float,
     axle_offset: float,
@@ -95,7 +101,7 @@ def true_motion(
         places: (k, 7) positions and quaternions of the chassis.
         speeds: (k, nv) of all degrees of freedom.
         chassis: number of the first of the chassis's.
-        wheels: (2,) numbers of the left and the right wheel's.
+        wheel_dofs: (2,) numbers of the left and the right wheel's.
         track, wheel_radius, axle_offset: of the robot, m.
     """
     count = len(places)
@@ -106,7 +112,7 @@ def true_motion(
         x, y, turning = speeds[k, chassis], speeds[k, chassis + 1], speeds[k, chassis + 5]
         forward = x * c + y * s
         aside = y * c - x * s - axle_offset * turning
-        rates[k, 0], rates[k, 1] = speeds[k, wheels[0]], speeds[k, wheels[1]]
+        rates[k, 0], rates[k, 1] = speeds[k, wheel_dofs[0]], speeds[k, wheel_dofs[1]]
         left = abs(forward - turning * (track / 2) - rates[k, 0] * wheel_radius)
         right = abs(forward + turning * (track / 2) - rates[k, 1] * wheel_radius)
         slip[k] = hypot(max(left, right), aside)
