@@ -269,7 +269,7 @@ def _steps(moments: list[_Moment], world: World, spec: RobotSpec) -> tuple[StepR
             decision=moment.decision,
             mover_positions=moment.movers,
             wheel_command=moment.wheel_command,
-            wheel_actual=WheelSpeeds(*(float(w) for w in _last(moment.block.wheel_rates))),
+            wheel_actual=WheelSpeeds(*_last(moment.block.wheel_rates).tolist()),
             clearance=float(gap),
             plan_time=moment.plan_time,
             estimate=moment.look.estimate,
