@@ -16,6 +16,7 @@ from fuzzynav_mj.sensing.looks import SAME_FACE, Look
 from fuzzynav_mj.sensing.segmentation import MOVING, STATIC, UNKNOWN, Hits
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
+LEVEL = 0.005  # m: a hit no farther behind the earlier surface lies on it
 REACH_MARGIN = 0.01  # m: how much farther than the fastest motion believed a surface may have gone
 
 
@@ -124,7 +125,7 @@ def _compare(
         )
         # Behind the earlier surface: either that one moved away, or it is still there and merely
         # hid this hit before. It has moved if the place where it was is seen to be free now.
-        if known and moved < 0.0:
+        if known and moved < -LEVEL:
             known = _depth_behind(surface_x, surface_y, now) > -0.5 * moved
         # Between two rays only what is nearer than both was certainly seen to be free.
         free = min(before.ranges[ray], before.ranges[(ray + 1) % count])

@@ -62,6 +62,19 @@ def outlines(hits: Hits, bounds: IntArray, look: Look) -> Outlines:
 
 
 @compiled
+def whole_ends(hits: Hits, chosen: IntArray, look: Look) -> FloatArray:
+    """(2, 2) ends of the outline of the chosen hits; nan where hidden."""
+    ends, rays = np.full((2, 2), np.nan), len(look.ranges)
+    for end, index, step in ((0, chosen[0], -1), (1, chosen[-1], 1)):
+        ray = hits.rays[index]
+        beside = (ray + step) % rays
+        depth = END_DEPTH if look.hit[beside] else RANGE_END_DEPTH
+        if look.ranges[beside] >= look.ranges[ray] + depth:
+            ends[end, 0], ends[end, 1] = hits.points[0, index], hits.points[1, index]
+    return ends
+
+
+@compiled
 def end_rates(
     ends: FloatArray, before: FloatArray, elapsed: float, look: Look
 ) -> tuple[FloatArray, FloatArray]:

@@ -12,13 +12,15 @@ import numpy as np
 
 from fuzzynav_mj.disturbance import PERFECT, Disturbance
 from fuzzynav_mj.robot import RobotSpec
+from fuzzynav_mj.sensing.claims import NEW, claimed, divide
 from fuzzynav_mj.sensing.cleaning import clean_scan
 from fuzzynav_mj.sensing.flow import PointFlow, motion_flags, point_flow
 from fuzzynav_mj.sensing.looks import Look, take_clean_look, take_look
-from fuzzynav_mj.sensing.outline import Outlines, outlines
-from fuzzynav_mj.sensing.segmentation import MOVING, Hits, drop_single, gather_hits, split_by_motion
+from fuzzynav_mj.sensing.outline import outlines, whole_ends
+from fuzzynav_mj.sensing.registration import outline_of
+from fuzzynav_mj.sensing.segmentation import STATIC, Hits, drop_single, gather_hits, split_by_motion
 from fuzzynav_mj.sensing.splitting import OverlapCutter
-from fuzzynav_mj.sensing.tracking import FORGET_AFTER, Beliefs, Track, nearest_track
+from fuzzynav_mj.sensing.tracking import FORGET_AFTER, Beliefs, Track, expected_outlines
 from fuzzynav_mj.sensing.visibility import visibility_matrix
 from fuzzynav_mj.types import FloatArray, IntArray, LaserScan, PerceivedObstacle, Perception, Pose2D
 
@@ -46,16 +48,17 @@ class PerceptionSettings:
     still: float = 0.010
     margin: float = 0.05
     top_speed: float = 0.9
-    flow_sigma: float = 0.006
+    flow_sigma: float = 0.003
     independent_hits: float = 6.0
     outlier: float = 0.06
-    outline_sigma: float = 0.017
+    outline_sigma: float = 0.03
     slowest: float = 0.04
     mover_extent: float = 0.7
     certainty: float = 2.0
     significance: float = 1.0
 
 
+JOIN = 0.06
 DEFAULT_SETTINGS = PerceptionSettings()
 
 
@@ -110,63 +113,86 @@ class Perceiver:
         if previous is not None:
             for track in self._tracks:
                 track.predict(now.stamp - previous.stamp)
-        expected = np.array([track.centre for track in self._tracks]).reshape(-1, 2)
-        bounds, flags = split_by_motion(hits, flags, expected, settings.mover_extent)
-        bounds, flags = self._cutter.cut(hits, bounds, flags, flow, now)
-        obstacles = self._obstacles(hits, bounds, flags, flow, now)
+        expected = expected_outlines(self._tracks)
+        elapsed = float(flow.elapsed[0]) if len(flow.elapsed) else 0.0
+        owners = claimed(hits, flags, expected, elapsed, settings.still)
+        bounds, kinds = divide(
+            hits, flags, owners, flow, expected.velocity, expected.centre, now, settings.mover_extent
+        )
+        bounds, kinds = self._cutter.cut(hits, bounds, kinds, flow, now)
+        obstacles = self._obstacles(hits, bounds, kinds, flags, now)
         self._tracks = [track for track in self._tracks if track.missed <= FORGET_AFTER]
         self._looks.append(now)
         return Perception(scan, obstacles, visibility)
 
     def _obstacles(
-        self, hits: Hits, bounds: IntArray, flags: IntArray, flow: PointFlow, now: Look
+        self, hits: Hits, bounds: IntArray, kinds: IntArray, flags: IntArray, now: Look
     ) -> tuple[PerceivedObstacle, ...]:
+        owners = np.repeat(kinds, np.diff(bounds))
+        fresh = bounds[:-1]
+        for number, track in enumerate(list(self._tracks)):
+            chosen = (owners == number).nonzero()[0]
+            if len(chosen):
+                stray = self._follow(track, chosen, hits, now)
+                owners[chosen[stray]] = NEW
+        first = np.zeros(len(owners), dtype=bool)
+        first[fresh] = True
+        first[1:] |= owners[1:] != owners[:-1]
+        bounds = np.append(first.nonzero()[0], len(owners))
+        kinds = owners[bounds[:-1]]
         found = outlines(hits, bounds, now)
-        tracks = self._follow(hits, bounds, flags, flow, found, now)
-        spans, nearest = pairwise(bounds.tolist()), found.nearest.tolist()
+        spans, nearest, kind = list(pairwise(bounds.tolist())), found.nearest.tolist(), kinds.tolist()
+        known = list(self._tracks)
+        tracks: list[Track | None] = [None] * len(spans)
+        for k, (first, end) in enumerate(spans):
+            track = known[kind[k]] if kind[k] >= 0 else None
+            if kind[k] == NEW and end - first >= 2:
+                track = Track.begin(found.middles[k])
+                self._look_back(track, hits.points[:, first:end])
+                self._tracks.append(track)
+                chosen = np.arange(first, end)
+                moves = flags[chosen] != STATIC
+                self._follow(track, chosen[moves] if moves.sum() >= 2 else chosen, hits, now)
+            tracks[k] = track if track is not None and self._is_mover(track) else None
+        self._join(spans, tracks, hits)
         return tuple(
             _perceived(hits.points[:, first:end].T, hits.points[:, hit], now, track)
             for (first, end), hit, track in zip(spans, nearest, tracks, strict=True)
         )
 
-    def _follow(
-        self,
-        hits: Hits,
-        bounds: IntArray,
-        flags: IntArray,
-        flow: PointFlow,
-        found: Outlines,
-        now: Look,
-    ) -> list[Track | None]:
-        """The updated tracks of the obstacles; None for those that stand still."""
-        tracks: list[Track | None] = [None] * len(flags)
-        kinds, spans = flags.tolist(), list(pairwise(bounds.tolist()))
-        if not self._tracks and MOVING not in kinds:
-            return tracks
-        # Moving ones take the tracks first, and of those the ones with the most hits.
-        for index in sorted(
-            range(len(spans)), key=lambda k: (-kinds[k], spans[k][0] - spans[k][1])
-        ):
-            first, end = spans[index]
-            moving = kinds[index] == MOVING
-            track = self._matched(hits.points[:, first:end], found.middles[index], moving)
-            if track is not None:
-                ends = found.ends[index]
-                track.take_in(flow, (first, end), found.middles[index], ends, now, self._beliefs)
-                tracks[index] = track if self._is_mover(track) else None
-        return tracks
+    def _follow(self, track: Track, chosen: IntArray, hits: Hits, now: Look) -> np.ndarray:
+        """Which of the chosen hits the track does not explain."""
+        seen = outline_of(hits, chosen, whole_ends(hits, chosen, now), now)
+        new = track.missed > 0 and len(track.outlines) > 0 and track.settled
+        track.take_in(seen, seen.points.mean(axis=1), now, self._beliefs)
+        stray = np.zeros(len(chosen), dtype=bool)
+        if new:
+            stray = track.strays(seen, self._beliefs)
+            if stray.any() and (~stray).sum() >= 2:
+                rest = chosen[~stray]
+                seen = outline_of(hits, rest, whole_ends(hits, rest, now), now)
+            else:
+                stray[:] = False
+        track.settled = True
+        track.outlines.append(seen)
+        return stray
 
-    def _matched(self, points: FloatArray, middle: FloatArray, moving: bool) -> Track | None:
-        """The track of an obstacle with these hits (2, k); None if it is believed to stand."""
-        if not moving:
-            x, y = (points[:, -1] - points[:, 0]).tolist()
-            if not self._tracks or hypot(x, y) > self._settings.mover_extent:
-                return None
-        track = nearest_track(self._tracks, middle)
-        if track is None and moving and points.shape[1] >= 2:
-            track = Track.begin(middle)
-            self._tracks.append(track)
-        return track
+    def _join(self, spans, tracks, hits) -> None:
+        for k in range(1, len(spans)):
+            a, b = tracks[k - 1], tracks[k]
+            if a is None or b is None or a is b or hits.first[spans[k][0]]:
+                continue
+            if hypot(*(a.velocity - b.velocity).tolist()) < JOIN and b in self._tracks and a in self._tracks:
+                drop = a if a.looks < b.looks else b
+                self._tracks = [t for t in self._tracks if t is not drop]
+
+    def _look_back(self, track: Track, points: FloatArray) -> None:
+        middle = points.mean(axis=1)
+        for look in self._looks:
+            x, y = look.points[0]-middle[0], look.points[1]-middle[1]
+            rays = (look.hit & (x*x+y*y < 0.35**2)).nonzero()[0]
+            before = Hits(look.points[:, rays].copy(), rays, np.zeros(len(rays), dtype=bool))
+            track.outlines.append(outline_of(before, np.arange(len(rays)), np.full((2, 2), np.nan), look))
 
     def _is_mover(self, track: Track) -> bool:
         settings = self._settings

@@ -15,7 +15,8 @@ from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.sensing.flow import PointFlow
 from fuzzynav_mj.sensing.looks import Look
 from fuzzynav_mj.sensing.outline import Outlines, end_rates, outlines
-from fuzzynav_mj.sensing.segmentation import MOVING, Hits
+from fuzzynav_mj.sensing.claims import NEW as MOVING
+from fuzzynav_mj.sensing.segmentation import Hits
 from fuzzynav_mj.types import FloatArray, IntArray
 
 FEWEST = 4  # measured hits on either side of a cut

@@ -12,10 +12,12 @@ from typing import NamedTuple
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
-from fuzzynav_mj.sensing.flow import PointFlow
+from fuzzynav_mj.sensing.claims import Expected
 from fuzzynav_mj.sensing.looks import Look
-from fuzzynav_mj.sensing.outline import end_rates
-from fuzzynav_mj.types import FloatArray
+from fuzzynav_mj.sensing.outline import end_rates, whole_ends
+from fuzzynav_mj.sensing.registration import Outline, hold_against, strays
+from fuzzynav_mj.sensing.segmentation import Hits
+from fuzzynav_mj.types import FloatArray, IntArray
 
 FIRST_SPEED_SIGMA = 0.3  # m/s: what is believed of a mover before its motion is measured
 ACCELERATION_SIGMA = 0.6  # m/s2: how strongly movers are believed to change their velocity
@@ -24,6 +26,13 @@ SPEED_NOISE = 0.03  # m/s per look: changes that the acceleration does not expla
 LARGEST_ACCELERATION = 1.2  # m/s2
 MATCH_DISTANCE = 0.20  # m between where a track expects its obstacle and where one is seen
 FORGET_AFTER = 3  # looks without a match
+END_SPREAD = 4.0
+CLAIM = 0.03
+STRAY = 0.012
+PASSES = 3
+MEMORY = 2
+REACH = 0.02
+LARGEST_REACH = 0.1
 UNSEEN = np.full((2, 2), np.nan)  # ends of an outline
 
 
@@ -65,7 +74,11 @@ class Track:
     state: FloatArray
     covariance: FloatArray
     missed: int = 0
-    outlines: deque[tuple[float, FloatArray]] = field(default_factory=lambda: deque(maxlen=3))
+    moved: FloatArray = field(default_factory=lambda: np.zeros(2))
+    reach: float = 0.03
+    settled: bool = False
+    looks: int = 0
+    outlines: deque[Outline] = field(default_factory=lambda: deque(maxlen=MEMORY))
 
     @classmethod
     def begin(cls, centre: FloatArray) -> "Track":
@@ -108,35 +121,49 @@ class Track:
     def predict(self, elapsed: float) -> None:
         """Carries the belief on to the next look."""
         self.centre = self.centre + self.velocity * elapsed
+        self.moved = self.moved + self.velocity * elapsed + self.state[2:] * (elapsed**2 / 2)
+        self.reach = min(self.reach + 2.0 * sqrt(max(self.covariance[0, 0], self.covariance[1, 1])) * elapsed, LARGEST_REACH)
         self.state, self.covariance = _carried_on(self.state, self.covariance, elapsed)
         self.missed += 1
 
-    def take_in(
-        self,
-        flow: PointFlow,
-        span: tuple[int, int],
-        centre: FloatArray,
-        ends: FloatArray,
-        now: Look,
-        beliefs: Beliefs,
-    ) -> None:
+    def strays(self, seen: Outline, beliefs: Beliefs) -> np.ndarray:
+        before = self.outlines[-1]
+        e = seen.stamp - before.stamp
+        x, y = (e * self.state[:2] - e**2 / 2 * self.state[2:]).tolist()
+        return strays(seen, before, x, y, 0.08, STRAY + 3.0 * beliefs.noise)
+
+    def stands(self, hits: Hits, chosen: IntArray, now: Look) -> bool:
+        """True if hits that show no motion of their own do not end where the mover should."""
+        before = self.outlines[0]
+        elapsed = now.stamp - before.stamp
+        across, rates = end_rates(whole_ends(hits, chosen, now), before.ends, elapsed, now)
+        known = ~np.isnan(rates)
+        if not known.any():
+            return True
+        wanted = across[known] @ self.velocity
+        if np.abs(wanted).max() * elapsed < 0.015:
+            return False
+        return bool((np.abs(rates[known]) < 0.5 * np.abs(wanted)).all())
+
+    def take_in(self, seen: Outline, centre: FloatArray, now: Look, beliefs: Beliefs) -> None:
         """Takes in what a look shows; in directions in which it shows none the belief stays.
 
         Args:
-            flow: of the look's hits.
-            span: the obstacle's first hit and the one after its last.
+            seen: its outline.
             centre: (2,) mean of its hits.
-            ends: (2, 2) of its outline, nan where hidden.
             now: the look.
             beliefs: how far all these can be trusted.
         """
-        stamp, before = self.outlines[0] if self.outlines else (now.stamp, UNSEEN)
-        self.state, self.covariance = _taken_in(
-            self.state, self.covariance, flow, *span, ends, before, now, now.stamp - stamp, beliefs
-        )
+        if self.outlines:
+            earlier = (self.outlines[0], self.outlines[-1])
+            self.state, self.covariance = _taken_in(
+                self.state, self.covariance, seen, earlier, min(len(self.outlines), 2), now, beliefs
+            )
         self.centre = centre
-        self.outlines.append((now.stamp, ends))
         self.missed = 0
+        self.looks += 1
+        self.moved = np.zeros(2)
+        self.reach = CLAIM
 
 
 @compiled
@@ -168,29 +195,38 @@ def _carried_on(
 def _taken_in(
     state: FloatArray,
     covariance: FloatArray,
-    flow: PointFlow,
-    first: int,
-    end: int,
-    ends: FloatArray,
-    ends_before: FloatArray,
+    seen: Outline,
+    earlier: tuple[Outline, Outline],
+    count: int,
     now: Look,
-    elapsed: float,
     beliefs: Beliefs,
 ) -> tuple[FloatArray, FloatArray]:
     """State (4,) and covariance (4, 4) after a look; see `Track.take_in`."""
     prior = _inverse(covariance)
-    information, evidence = prior.copy(), _times(prior, state)
-    _add_surface(information, evidence, state, covariance, flow, first, end, beliefs)
-    fit = _times(_inverse(information), evidence)
-    information, evidence = prior, _times(prior, state)
-    _add_surface(information, evidence, fit, np.zeros((4, 4)), flow, first, end, beliefs)
-    across, rates = end_rates(ends, ends_before, elapsed, now)
-    for k in range(2):
-        if not np.isnan(rates[k]):
-            row = _row(across[k, 0], across[k, 1], elapsed)
-            _add(information, evidence, row, rates[k], (elapsed / beliefs.outline_sigma) ** 2)
-    covariance = _inverse(information)
-    return _times(covariance, evidence), covariance
+    fit, doubt = state, covariance
+    posterior = covariance
+    for _ in range(PASSES):
+        information, evidence = prior.copy(), _times(prior, state)
+        for k in range(count):
+            _add_surface(information, evidence, fit, doubt, seen, earlier[k], beliefs)
+        for k in range(1):
+            before = earlier[k]
+            elapsed = seen.stamp - before.stamp
+            across, rates = end_rates(seen.ends, before.ends, elapsed, now)
+            for end in range(2):
+                if not np.isnan(rates[end]):
+                    row = _row(across[end, 0], across[end, 1], elapsed)
+                    off, spread = rates[end], END_SPREAD * (beliefs.outline_sigma / elapsed) ** 2
+                    for a in range(4):
+                        off -= row[a] * fit[a]
+                        for b in range(4):
+                            spread += row[a] * doubt[a, b] * row[b]
+                    weight = (elapsed / beliefs.outline_sigma) ** 2 / (1.0 + off * off / spread)
+                    _add(information, evidence, row, rates[end], weight)
+        posterior = _inverse(information)
+        fit = _times(posterior, evidence)
+        doubt = np.zeros((4, 4))
+    return fit, posterior
 
 
 @compiled
@@ -199,45 +235,32 @@ def _add_surface(
     evidence: FloatArray,
     guess: FloatArray,
     doubt: FloatArray,
-    flow: PointFlow,
-    first: int,
-    end: int,
+    seen: Outline,
+    before: Outline,
     beliefs: Beliefs,
 ) -> None:
-    """Adds the motion of an obstacle's surface to the normal equations.
-
-    Some hits are compared with another face, or another obstacle, than their own. They count
-    less: first those that contradict what is known of the mover, then those that contradict the
-    fit to the rest.
-
-    Args:
-        information, evidence: (4, 4) and (4,) of the normal equations.
-        guess: (4,) state that the hits should not contradict.
-        doubt: (4, 4) its covariance.
-        flow, first, end, beliefs: see `Track.take_in`.
-    """
+    elapsed = seen.stamp - before.stamp
+    x = elapsed * guess[0] - elapsed**2 / 2 * guess[2]
+    y = elapsed * guess[1] - elapsed**2 / 2 * guess[3]
+    unsure = elapsed * sqrt(max(doubt[0, 0], doubt[1, 1]))
+    shift = hold_against(seen, before, x, y, min(REACH + 2.0 * unsure, LARGEST_REACH))
     count = 0
-    for look in range(len(flow.elapsed)):
-        for i in range(first, end):
-            count += flow.known[look, i]
-    # Smoothing spreads one hit's noise over its neighbours, so all that the hits tell together
-    # is limited by the raw noise over their number.
+    for i in range(len(shift.known)):
+        count += shift.known[i]
     variance = beliefs.flow_sigma**2 * max(1.0, count / beliefs.independent_hits)
     variance += 2.0 * beliefs.noise**2
-    for look in range(len(flow.elapsed)):
-        elapsed = flow.elapsed[look]
-        for i in range(first, end):
-            if not flow.known[look, i]:
-                continue
-            row = _row(flow.normals[look, 0, i], flow.normals[look, 1, i], elapsed)
-            off = rate = flow.distance[look, i] / elapsed
-            spread = beliefs.outlier**2
-            for a in range(4):
-                off -= row[a] * guess[a]
-                for b in range(4):
-                    spread += row[a] * doubt[a, b] * row[b]
-            weight = elapsed**2 / variance / (1.0 + off * off / spread)
-            _add(information, evidence, row, rate, weight)
+    for i in range(len(shift.known)):
+        if not shift.known[i]:
+            continue
+        row = _row(shift.normals[0, i], shift.normals[1, i], elapsed)
+        off = rate = shift.distance[i] / elapsed
+        spread = beliefs.outlier**2
+        for a in range(4):
+            off -= row[a] * guess[a]
+            for b in range(4):
+                spread += row[a] * doubt[a, b] * row[b]
+        weight = elapsed**2 / (variance + shift.blur[i] ** 2) / (1.0 + off * off / spread)
+        _add(information, evidence, row, rate, weight)
 
 
 @compiled
@@ -285,13 +308,18 @@ def _inverse(matrix: FloatArray) -> FloatArray:
     return inverse
 
 
-def nearest_track(tracks: list[Track], centre: FloatArray) -> Track | None:
-    """The unmatched track that expects its obstacle nearest to `centre`, if near enough."""
-    best, best_distance = None, MATCH_DISTANCE
-    for track in tracks:
-        if track.missed == 0:
-            continue
-        distance = hypot(*(track.centre - centre).tolist())
-        if distance < best_distance:
-            best, best_distance = track, distance
-    return best
+def expected_outlines(tracks: list[Track]) -> Expected:
+    """Where the tracks' outlines should be now."""
+    if not tracks:
+        return Expected(np.empty((2, 0)), np.empty(0, dtype=bool), np.empty((2, 0)), np.empty(0, dtype=np.intp), np.empty((0, 2)), np.empty(0), np.empty((0, 2)))
+    last = [track.outlines[-1] for track in tracks]
+    counts = [outline.points.shape[1] for outline in last]
+    return Expected(
+        np.concatenate([o.points + t.moved[:, None] for o, t in zip(last, tracks)], axis=1),
+        np.concatenate([o.joined for o in last]),
+        np.concatenate([o.normals for o in last], axis=1),
+        np.repeat(np.arange(len(tracks)), counts),
+        np.array([t.velocity for t in tracks]),
+        np.array([t.reach for t in tracks]),
+        np.array([t.centre for t in tracks]),
+    )
