@@ -1,4 +1,4 @@
-"""The visible outline of an obstacle: where its two ends are, and how fast they move."""
+"""What one look shows of an obstacle: its hits in order, how they join, and where it ends."""
 
 from math import hypot
 from typing import NamedTuple
@@ -8,70 +8,101 @@ import numpy as np
 from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.sensing.looks import Look
 from fuzzynav_mj.sensing.segmentation import Hits
-from fuzzynav_mj.types import FloatArray, IntArray
+from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
 END_DEPTH = 0.05  # m: an outline ends where the next ray reaches this much farther ...
 RANGE_END_DEPTH = 0.15  # m: ... or this much, where the next ray hits nothing
 
 
-class Outlines(NamedTuple):
-    """What k obstacles in a look are by their hits.
+class Outline(NamedTuple):
+    """The outline that k hits draw, pieces of straight surface between them.
 
     Attributes:
-        middles: (k, 2) mean of the hits, world frame, m.
-        ends: (k, 2, 2) first and last hit, world frame, m; nan where something nearer may hide the
-            outline's end.
-        nearest: (k,) the hit nearest to the robot.
+        stamp: of the look, s.
+        points: (2, k) the hits in ray order, world frame, m.
+        joined: (k,) True where a hit and the next one lie on one continuous surface.
+        normals: (2, k) unit normals of the surface between a hit and the next one.
+        ends: (2, 2) first and last hit; nan where something nearer may hide the outline's end.
     """
 
-    middles: FloatArray
+    stamp: float
+    points: FloatArray
+    joined: BoolArray
+    normals: FloatArray
     ends: FloatArray
-    nearest: IntArray
 
 
 @compiled
-def outlines(hits: Hits, bounds: IntArray, look: Look) -> Outlines:
-    """The outlines of k obstacles.
-
-    Args:
-        hits: of all obstacles.
-        bounds: (k + 1,) first hit of each, and the number of all.
-        look: that they belong to.
-    """
-    count, rays, points = len(bounds) - 1, len(look.ranges), hits.points
-    middles, ends = np.zeros((count, 2)), np.full((count, 2, 2), np.nan)
-    nearest = np.empty(count, dtype=np.intp)
+def outline_of(hits: Hits, chosen: IntArray, look: Look) -> Outline:
+    """The outline of the chosen hits (k,), k > 0."""
+    count, rays = len(chosen), len(look.ranges)
+    points, normals = np.empty((2, count)), np.empty((2, count))
+    joined, ends = np.zeros(count, dtype=np.bool_), np.full((2, 2), np.nan)
     for k in range(count):
-        first, last, smallest = bounds[k], bounds[k + 1] - 1, np.inf
-        for i in range(first, last + 1):
-            middles[k, 0] += points[0, i]
-            middles[k, 1] += points[1, i]
-            dx, dy = points[0, i] - look.x, points[1, i] - look.y
-            if dx * dx + dy * dy < smallest:
-                smallest, nearest[k] = dx * dx + dy * dy, i
-        middles[k, 0] /= last + 1 - first
-        middles[k, 1] /= last + 1 - first
-        for end, index, step in ((0, first, -1), (1, last, 1)):
-            ray = hits.rays[index]
-            beside = (ray + step) % rays
-            # Where nothing was hit beside it, the obstacle may go on just out of range.
-            depth = END_DEPTH if look.hit[beside] else RANGE_END_DEPTH
-            if look.ranges[beside] >= look.ranges[ray] + depth:
-                ends[k, end, 0], ends[k, end, 1] = points[0, index], points[1, index]
-    return Outlines(middles, ends, nearest)
-
-
-@compiled
-def whole_ends(hits: Hits, chosen: IntArray, look: Look) -> FloatArray:
-    """(2, 2) ends of the outline of the chosen hits; nan where hidden."""
-    ends, rays = np.full((2, 2), np.nan), len(look.ranges)
-    for end, index, step in ((0, chosen[0], -1), (1, chosen[-1], 1)):
-        ray = hits.rays[index]
+        ray = hits.rays[chosen[k]]
+        points[0, k], points[1, k] = look.points[0, ray], look.points[1, ray]
+        normals[0, k], normals[1, k] = look.normals[0, ray], look.normals[1, ray]
+        if k + 1 < count:
+            joined[k] = look.joined[ray] and hits.rays[chosen[k + 1]] == (ray + 1) % rays
+    for end, k, step in ((0, 0, -1), (1, count - 1, 1)):
+        ray = hits.rays[chosen[k]]
         beside = (ray + step) % rays
+        # Where nothing was hit beside it, the obstacle may go on just out of range.
         depth = END_DEPTH if look.hit[beside] else RANGE_END_DEPTH
         if look.ranges[beside] >= look.ranges[ray] + depth:
-            ends[end, 0], ends[end, 1] = hits.points[0, index], hits.points[1, index]
-    return ends
+            ends[end, 0], ends[end, 1] = points[0, k], points[1, k]
+    return Outline(look.stamp, points, joined, normals, ends)
+
+
+@compiled
+def outline_around(look: Look, taken: BoolArray, x: float, y: float, reach: float) -> Outline:
+    """What a look shows within `reach` of a place, m, without the rays (n,) already taken.
+
+    Of its ends nothing is known.
+    """
+    rays, count = np.empty(len(look.ranges), dtype=np.intp), 0
+    for ray in range(len(look.ranges)):
+        near = hypot(look.points[0, ray] - x, look.points[1, ray] - y) < reach
+        if look.hit[ray] and near and not taken[ray]:
+            rays[count] = ray
+            count += 1
+    points, normals = np.empty((2, count)), np.empty((2, count))
+    joined = np.zeros(count, dtype=np.bool_)
+    for k in range(count):
+        ray = rays[k]
+        points[0, k], points[1, k] = look.points[0, ray], look.points[1, ray]
+        normals[0, k], normals[1, k] = look.normals[0, ray], look.normals[1, ray]
+        joined[k] = k + 1 < count and look.joined[ray] and rays[k + 1] == ray + 1
+    return Outline(look.stamp, points, joined, normals, np.full((2, 2), np.nan))
+
+
+@compiled
+def left_over(outline: Outline, gone: BoolArray) -> Outline:
+    """The outline without the hits that are `gone` (k,)."""
+    kept = (~gone).nonzero()[0]
+    count = len(kept)
+    points, normals = np.empty((2, count)), np.empty((2, count))
+    joined, ends = np.zeros(count, dtype=np.bool_), outline.ends.copy()
+    for k in range(count):
+        i = kept[k]
+        points[0, k], points[1, k] = outline.points[0, i], outline.points[1, i]
+        normals[0, k], normals[1, k] = outline.normals[0, i], outline.normals[1, i]
+        joined[k] = k + 1 < count and outline.joined[i] and kept[k + 1] == i + 1
+    for end, i in ((0, 0), (1, len(gone) - 1)):
+        if gone[i]:
+            ends[end] = np.nan
+    return Outline(outline.stamp, points, joined, normals, ends)
+
+
+def in_one(first: Outline, second: Outline) -> Outline:
+    """Two outlines of one look as one."""
+    return Outline(
+        first.stamp,
+        np.concatenate((first.points, second.points), axis=1),
+        np.concatenate((first.joined, second.joined)),
+        np.concatenate((first.normals, second.normals), axis=1),
+        np.stack((first.ends[0], second.ends[1])),
+    )
 
 
 @compiled
@@ -79,7 +110,7 @@ def end_rates(
     ends: FloatArray, before: FloatArray, elapsed: float, look: Look
 ) -> tuple[FloatArray, FloatArray]:
     """(2, 2) directions across the lines of sight to the ends, and (2,) how fast each moved in its
-    direction, m/s; nan for an end that is not known in both looks, or if no time has passed.
+    direction, m/s; nan for an end that is not known in both looks.
 
     Args:
         ends: (2, 2) as the look shows them, world frame.
@@ -89,7 +120,7 @@ def end_rates(
     """
     across, rates = np.zeros((2, 2)), np.full(2, np.nan)
     for end in range(2):
-        if np.isnan(ends[end, 0] + before[end, 0]) or elapsed <= 0.0:
+        if elapsed <= 0.0 or np.isnan(ends[end, 0]) or np.isnan(before[end, 0]):
             continue
         x, y = ends[end, 0] - look.x, ends[end, 1] - look.y
         length = max(hypot(x, y), 1e-9)

@@ -12,17 +12,35 @@ import numpy as np
 
 from fuzzynav_mj.disturbance import PERFECT, Disturbance
 from fuzzynav_mj.robot import RobotSpec
-from fuzzynav_mj.sensing.claims import NEW, claimed, divide
+from fuzzynav_mj.sensing.claims import claimed
 from fuzzynav_mj.sensing.cleaning import clean_scan
-from fuzzynav_mj.sensing.flow import PointFlow, motion_flags, point_flow
+from fuzzynav_mj.sensing.flow import motion_flags, point_flow
+from fuzzynav_mj.sensing.hidden import hidden_part
 from fuzzynav_mj.sensing.looks import Look, take_clean_look, take_look
-from fuzzynav_mj.sensing.outline import outlines, whole_ends
-from fuzzynav_mj.sensing.registration import outline_of
-from fuzzynav_mj.sensing.segmentation import STATIC, Hits, drop_single, gather_hits, split_by_motion
-from fuzzynav_mj.sensing.splitting import OverlapCutter
+from fuzzynav_mj.sensing.outline import outline_around, outline_of
+from fuzzynav_mj.sensing.segmentation import (
+    NEW,
+    STATIC,
+    Hits,
+    divide,
+    drop_single,
+    gather_hits,
+    run_bounds,
+)
 from fuzzynav_mj.sensing.tracking import FORGET_AFTER, Beliefs, Track, expected_outlines
 from fuzzynav_mj.sensing.visibility import visibility_matrix
-from fuzzynav_mj.types import FloatArray, IntArray, LaserScan, PerceivedObstacle, Perception, Pose2D
+from fuzzynav_mj.types import (
+    BoolArray,
+    FloatArray,
+    IntArray,
+    LaserScan,
+    PerceivedObstacle,
+    Perception,
+    Pose2D,
+)
+
+SETTLED = 4  # looks after which a track is more than a guess
+GONE = 0.3  # share of an outline seen to be free that shows that the mover went elsewhere
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +60,7 @@ class PerceptionSettings:
         mover_extent: the largest extent believed of a mover's visible side, m.
         certainty: standard deviations of noise beyond `still` that show motion.
         significance: standard deviations by which a mover's speed must differ from none.
+        unsure: uncertainty of a speed above which what newly moves is no slow mover yet, m/s.
     """
 
     looks: int = 2
@@ -56,9 +75,9 @@ class PerceptionSettings:
     mover_extent: float = 0.7
     certainty: float = 2.0
     significance: float = 1.0
+    unsure: float = 0.18
 
 
-JOIN = 0.06
 DEFAULT_SETTINGS = PerceptionSettings()
 
 
@@ -81,9 +100,8 @@ class Perceiver:
         self._settings = settings
         self._noise = sensor.range_noise_m
         self._unreliable = sensor.range_noise_m > 0.0 or sensor.dropouts > 0.0
-        self._looks: deque[Look] = deque(maxlen=settings.looks)
+        self._looks: deque[tuple[Look, BoolArray]] = deque(maxlen=settings.looks)
         self._tracks: list[Track] = []
-        self._cutter = OverlapCutter(settings.looks)
         self._beliefs = Beliefs(
             settings.flow_sigma,
             self._noise,
@@ -100,13 +118,12 @@ class Perceiver:
             now = take_clean_look(clean, pose) if self._noise > 0.0 else take_look(scan, pose)
         else:
             now = take_look(scan, pose)
-        previous = self._looks[-1] if self._looks else None
+        earlier = [look for look, _ in self._looks]
+        previous = earlier[-1] if earlier else None
         visibility = visibility_matrix(now, previous, scan.bearings, self._spec.rings)
         hits = gather_hits(now)
-        settings = self._settings
-        flow = point_flow(
-            hits, now, self._looks, settings.top_speed, settings.margin, self._spec.sensor_range
-        )
+        settings, reach = self._settings, self._spec.sensor_range
+        flow = point_flow(hits, now, earlier, settings.top_speed, settings.margin, reach)
         flags = motion_flags(flow, settings.still, settings.certainty)
         if self._unreliable:
             flags = drop_single(hits.first, flags)
@@ -114,97 +131,100 @@ class Perceiver:
             for track in self._tracks:
                 track.predict(now.stamp - previous.stamp)
         expected = expected_outlines(self._tracks)
-        elapsed = float(flow.elapsed[0]) if len(flow.elapsed) else 0.0
-        owners = claimed(hits, flags, expected, elapsed, settings.still)
-        bounds, kinds = divide(
-            hits, flags, owners, flow, expected.velocity, expected.centre, now, settings.mover_extent
-        )
-        bounds, kinds = self._cutter.cut(hits, bounds, kinds, flow, now)
-        obstacles = self._obstacles(hits, bounds, kinds, flags, now)
+        elapsed = float(flow.elapsed[0]) if earlier else 0.0
+        claims = claimed(hits, flags, expected, elapsed, settings.still)
+        owners = divide(hits, flags, claims, expected.centre, now, settings.mover_extent)
+        obstacles = self._obstacles(hits, flags, owners, now) + self._hidden(now)
         self._tracks = [track for track in self._tracks if track.missed <= FORGET_AFTER]
-        self._looks.append(now)
         return Perception(scan, obstacles, visibility)
 
     def _obstacles(
-        self, hits: Hits, bounds: IntArray, kinds: IntArray, flags: IntArray, now: Look
+        self, hits: Hits, flags: IntArray, owners: IntArray, now: Look
     ) -> tuple[PerceivedObstacle, ...]:
-        owners = np.repeat(kinds, np.diff(bounds))
-        fresh = bounds[:-1]
-        for number, track in enumerate(list(self._tracks)):
+        """What the hits belong to; takes them in."""
+        known = list(self._tracks)
+        for number, track in enumerate(known):
             chosen = (owners == number).nonzero()[0]
             if len(chosen):
-                stray = self._follow(track, chosen, hits, now)
-                owners[chosen[stray]] = NEW
-        first = np.zeros(len(owners), dtype=bool)
-        first[fresh] = True
-        first[1:] |= owners[1:] != owners[:-1]
-        bounds = np.append(first.nonzero()[0], len(owners))
-        kinds = owners[bounds[:-1]]
-        found = outlines(hits, bounds, now)
-        spans, nearest, kind = list(pairwise(bounds.tolist())), found.nearest.tolist(), kinds.tolist()
-        known = list(self._tracks)
+                others = track.take_in(outline_of(hits, chosen, now), now, self._beliefs)
+                owners[chosen[others]] = NEW
+        taken = np.zeros(len(now.ranges), dtype=bool)
+        taken[hits.rays[owners >= 0]] = True
+        bounds = run_bounds(hits.first, owners)
+        spans = list(pairwise(bounds.tolist()))
         tracks: list[Track | None] = [None] * len(spans)
-        for k, (first, end) in enumerate(spans):
-            track = known[kind[k]] if kind[k] >= 0 else None
-            if kind[k] == NEW and end - first >= 2:
-                track = Track.begin(found.middles[k])
-                self._look_back(track, hits.points[:, first:end])
-                self._tracks.append(track)
-                chosen = np.arange(first, end)
-                moves = flags[chosen] != STATIC
-                self._follow(track, chosen[moves] if moves.sum() >= 2 else chosen, hits, now)
-            tracks[k] = track if track is not None and self._is_mover(track) else None
-        self._join(spans, tracks, hits)
+        for index, (first, end) in enumerate(spans):
+            owner = int(owners[first])
+            if owner >= 0:
+                tracks[index] = known[owner]
+            elif owner == NEW and end - first >= 2:
+                tracks[index] = self._begin(np.arange(first, end), hits, flags, taken, now)
+        self._looks.append((now, taken))
+        self._unite(spans, tracks, hits)
         return tuple(
-            _perceived(hits.points[:, first:end].T, hits.points[:, hit], now, track)
-            for (first, end), hit, track in zip(spans, nearest, tracks, strict=True)
+            _perceived(hits.points[:, first:end].T, now, track if self._moves(track) else None)
+            for (first, end), track in zip(spans, tracks, strict=True)
         )
 
-    def _follow(self, track: Track, chosen: IntArray, hits: Hits, now: Look) -> np.ndarray:
-        """Which of the chosen hits the track does not explain."""
-        seen = outline_of(hits, chosen, whole_ends(hits, chosen, now), now)
-        new = track.missed > 0 and len(track.outlines) > 0 and track.settled
-        track.take_in(seen, seen.points.mean(axis=1), now, self._beliefs)
-        stray = np.zeros(len(chosen), dtype=bool)
-        if new:
-            stray = track.strays(seen, self._beliefs)
-            if stray.any() and (~stray).sum() >= 2:
-                rest = chosen[~stray]
-                seen = outline_of(hits, rest, whole_ends(hits, rest, now), now)
-            else:
-                stray[:] = False
-        track.settled = True
-        track.outlines.append(seen)
-        return stray
+    def _begin(
+        self, chosen: IntArray, hits: Hits, flags: IntArray, taken: BoolArray, now: Look
+    ) -> Track:
+        """Begins a track of some hits, in the light of what was seen about their place before."""
+        shown = chosen[flags[chosen] != STATIC]
+        chosen = shown if len(shown) >= 2 else chosen
+        centre = hits.points[:, chosen].mean(axis=1)
+        x, y = centre.tolist()
+        extent = self._settings.mover_extent / 2
+        before = [outline_around(look, others, x, y, extent) for look, others in self._looks]
+        track = Track.begin(centre, before)
+        track.take_in(outline_of(hits, chosen, now), now, self._beliefs)
+        self._tracks.append(track)
+        taken[hits.rays[chosen]] = True
+        return track
 
-    def _join(self, spans, tracks, hits) -> None:
-        for k in range(1, len(spans)):
-            a, b = tracks[k - 1], tracks[k]
-            if a is None or b is None or a is b or hits.first[spans[k][0]]:
+    def _unite(self, spans: list[tuple[int, int]], tracks: list[Track | None], hits: Hits) -> None:
+        """Makes one track of two that are faces of one mover: of each alone the motion along
+        itself is hardly known."""
+        for index in range(1, len(spans)):
+            one, other = tracks[index - 1], tracks[index]
+            beside = not hits.first[spans[index][0]]
+            if one is None or other is None or one is other or not beside:
                 continue
-            if hypot(*(a.velocity - b.velocity).tolist()) < JOIN and b in self._tracks and a in self._tracks:
-                drop = a if a.looks < b.looks else b
-                self._tracks = [t for t in self._tracks if t is not drop]
+            if min(one.seen, other.seen) >= SETTLED and one.agrees(other):
+                one.absorb(other)
+                self._tracks.remove(other)
+                tracks[:] = [one if track is other else track for track in tracks]
 
-    def _look_back(self, track: Track, points: FloatArray) -> None:
-        middle = points.mean(axis=1)
-        for look in self._looks:
-            x, y = look.points[0]-middle[0], look.points[1]-middle[1]
-            rays = (look.hit & (x*x+y*y < 0.35**2)).nonzero()[0]
-            before = Hits(look.points[:, rays].copy(), rays, np.zeros(len(rays), dtype=bool))
-            track.outlines.append(outline_of(before, np.arange(len(rays)), np.full((2, 2), np.nan), look))
+    def _hidden(self, now: Look) -> tuple[PerceivedObstacle, ...]:
+        """Known movers, or parts of them, that something nearer hides; forgets those that should
+        be in sight but are not."""
+        found = []
+        for track in list(self._tracks):
+            if track.seen < SETTLED or not track.partly_hidden or not self._moves(track):
+                continue
+            outline = track.expected_outline
+            points, free = hidden_part(outline, now, self._spec.sensor_range)
+            if track.missed > 0 and free > GONE * outline.shape[1]:
+                self._tracks.remove(track)
+            elif len(points) >= 2:
+                found.append(_perceived(points, now, track))
+        return tuple(found)
 
-    def _is_mover(self, track: Track) -> bool:
+    def _moves(self, track: Track | None) -> bool:
+        """True if a track is a mover's, as far as can be told."""
         settings = self._settings
-        if track.speed < settings.slowest or track.speed > settings.top_speed:
+        if track is None:
+            return False
+        if self._noise == 0.0 and track.seen < SETTLED and track.speed_sigma > settings.unsure:
+            return True
+        if not settings.slowest <= track.speed <= settings.top_speed:
             return False
         return self._noise == 0.0 or track.moves_for_certain(settings.significance)
 
 
-def _perceived(
-    points: FloatArray, nearest: FloatArray, now: Look, track: Track | None
-) -> PerceivedObstacle:
-    """An obstacle of these points (k, 2), the nearest of which is given (2,)."""
+def _perceived(points: FloatArray, now: Look, track: Track | None) -> PerceivedObstacle:
+    """An obstacle of these points (k, 2)."""
+    nearest = points[((points - (now.x, now.y)) ** 2).sum(axis=1).argmin()]
     x, y = nearest.tolist()
     x, y = x - now.x, y - now.y
     distance = hypot(x, y)

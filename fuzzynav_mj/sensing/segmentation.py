@@ -1,5 +1,6 @@
 """Separates the hits of one look into obstacles, by gaps and by motion."""
 
+from math import hypot
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,9 @@ from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 GAP = 0.05  # m: hits farther apart that no continuous surface joins belong to separate obstacles
 EXPECTED_WITHIN = 0.15  # m between where a mover was expected and the middle of a group of hits
 MOVING_SHARE = 0.25  # of a small group's hits must move for the whole of it to be a mover
+CAME_INTO_VIEW = 0.05  # m of a mover's outline that may come into view between two looks
 MOVING, STATIC, UNKNOWN = 1, -1, 0
+STANDS, NEW = -1, -2  # owners of hits that belong to no known mover
 
 
 class Hits(NamedTuple):
@@ -53,43 +56,126 @@ def gather_hits(look: Look) -> Hits:
 
 
 @compiled
-def split_by_motion(
-    hits: Hits, flags: IntArray, expected: FloatArray, mover_extent: float
-) -> tuple[IntArray, IntArray]:
-    """Splits groups further where moving hits and standing ones meet.
+def divide(
+    hits: Hits,
+    flags: IntArray,
+    claims: IntArray,
+    centres: FloatArray,
+    look: Look,
+    mover_extent: float,
+) -> IntArray:
+    """(m,) what each hit belongs to: the number of a known mover, `NEW` or `STANDS`.
 
     A mover that passes close to a wall is one group with it; its hits move, the wall's do not.
-    A group no larger than a mover moves as a whole if a fair share of it does, or if a mover was
-    expected there: a side that slides along itself merely does not show it.
+    A group no larger than a mover moves as a whole if a fair share of it does: a side that slides
+    along itself merely does not show it.
 
     Args:
         hits: the hits and their groups.
         flags: (m,) MOVING, STATIC or UNKNOWN for each hit.
-        expected: (k, 2) where known movers should be now, world frame.
+        claims: (m,) number of the known mover on whose expected outline it lies, or -1.
+        centres: (k, 2) where the middles of those movers should be, world frame.
+        look: that the hits belong to.
         mover_extent: largest extent of a mover's visible side, m.
-
-    Returns:
-        (k + 1,) index of the first hit of each obstacle, and the number of hits; (k,) its flag.
     """
-    points, first = hits.points, hits.first
-    flags = _without_lone(first, flags)
-    count = len(flags)
-    bounds, kinds = np.empty(count + 1, dtype=np.intp), np.empty(count, dtype=np.intp)
-    number = begin = 0
+    owners, flags = claims.copy(), _without_lone(hits.first, flags)
+    count, begin = len(flags), 0
     while begin < count:
         end = begin + 1
-        while end < count and not first[end]:
+        while end < count and not hits.first[end]:
             end += 1
-        if _moves_as_a_whole(points[:, begin:end], flags[begin:end], expected, mover_extent):
-            flags[begin:end] = MOVING
-        _fill_unknown(flags[begin:end])
+        group = hits.points[:, begin:end]
+        small = _extent(group) <= mover_extent
+        x, y = group[0].mean(), group[1].mean()
+        known = 0
         for i in range(begin, end):
-            if i == begin or flags[i] != flags[i - 1]:
-                bounds[number], kinds[number] = i, flags[i]
-                number += 1
+            mover = owners[i]
+            if mover >= 0 and flags[i] == STATIC:
+                # It may slide along itself, or be a wall that the mover slides along.
+                away = hypot(x - centres[mover, 0], y - centres[mover, 1])
+                if not small or away > EXPECTED_WITHIN:
+                    owners[i] = STANDS
+            known += owners[i] >= 0
+        if known > 0:
+            _spread(hits, flags[begin:end], owners[begin:end], begin, look)
+            if small:
+                _share(owners[begin:end])
+        else:
+            moving = (flags[begin:end] == MOVING).sum()
+            if small and moving >= max(MOVING_SHARE * (end - begin), 2.0):
+                flags[begin:end] = MOVING
+            _fill_unknown(flags[begin:end])
+        for i in range(begin, end):
+            if owners[i] < 0:
+                owners[i] = NEW if flags[i] == MOVING else STANDS
         begin = end
+    return owners
+
+
+@compiled
+def run_bounds(first: BoolArray, owners: IntArray) -> IntArray:
+    """(k + 1,) the first hit of each obstacle, hits side by side in one group with one owner; and
+    the number of hits."""
+    count = len(owners)
+    bounds, number = np.empty(count + 1, dtype=np.intp), 0
+    for i in range(count):
+        if first[i] or owners[i] != owners[i - 1]:
+            bounds[number] = i
+            number += 1
     bounds[number] = count
-    return bounds[: number + 1], kinds[:number]
+    return bounds[: number + 1]
+
+
+@compiled
+def _spread(hits: Hits, flags: IntArray, owners: IntArray, begin: int, look: Look) -> None:
+    """Gives hits that came into view beside a known mover to it.
+
+    Args:
+        hits: all hits.
+        flags, owners: (k,) of the group that begins with hit number `begin`.
+        look: that the hits belong to.
+    """
+    count = len(owners)
+    for step in (1, -1):
+        beside = -1  # the hit of a known mover that was passed last
+        for n in range(count):
+            i = n if step > 0 else count - 1 - n
+            if owners[i] >= 0:
+                beside = i
+                continue
+            before = i - step
+            if beside < 0 or flags[i] == STATIC or owners[before] != owners[beside]:
+                continue
+            dx = hits.points[0, begin + i] - hits.points[0, begin + beside]
+            dy = hits.points[1, begin + i] - hits.points[1, begin + beside]
+            ray = hits.rays[begin + min(i, before)]
+            if look.joined[ray] and hypot(dx, dy) <= CAME_INTO_VIEW:
+                owners[i] = owners[beside]
+
+
+@compiled
+def _share(owners: IntArray) -> None:
+    """Gives all of a small group to the movers that own most of it, each hit to the one beside."""
+    count = len(owners)
+    if 2 * (owners >= 0).sum() < count:
+        return
+    for i in range(1, count):
+        if owners[i] < 0:
+            owners[i] = owners[i - 1]
+    for i in range(count - 2, -1, -1):
+        if owners[i] < 0:
+            owners[i] = owners[i + 1]
+
+
+@compiled
+def _extent(points: FloatArray) -> float:
+    """The larger side of the box around points (2, k), m."""
+    left, right, low, high = points[0, 0], points[0, 0], points[1, 0], points[1, 0]
+    for i in range(1, points.shape[1]):
+        x, y = points[0, i], points[1, i]
+        left, right, low, high = min(left, x), max(right, x), min(low, y), max(high, y)
+    larger: float = max(right - left, high - low)
+    return larger
 
 
 @compiled
@@ -101,31 +187,6 @@ def _without_lone(first: BoolArray, flags: IntArray) -> IntArray:
         if not first[i] and not first[i + 1] and previous == flags[i + 1] == -flags[i]:
             kept[i] = previous
     return kept
-
-
-@compiled
-def _moves_as_a_whole(
-    points: FloatArray, flags: IntArray, expected: FloatArray, mover_extent: float
-) -> bool:
-    """True if a group of hits is no larger than a mover, and moves or was expected to."""
-    count, moving = len(flags), 0
-    x, y = points[0, 0], points[1, 0]
-    left, right, low, high, middle_x, middle_y = x, x, y, y, 0.0, 0.0
-    for i in range(count):
-        x, y = points[0, i], points[1, i]
-        left, right, low, high = min(left, x), max(right, x), min(low, y), max(high, y)
-        middle_x += x
-        middle_y += y
-        moving += flags[i] == MOVING
-    if max(right - left, high - low) > mover_extent:
-        return False
-    if moving >= max(MOVING_SHARE * count, 2.0):
-        return True
-    for k in range(len(expected)):
-        dx, dy = middle_x / count - expected[k, 0], middle_y / count - expected[k, 1]
-        if dx * dx + dy * dy < EXPECTED_WITHIN**2:
-            return True
-    return False
 
 
 @compiled

@@ -2,9 +2,11 @@
 
 The state is velocity and acceleration. The acceleration is believed to fade within about a second,
 so a mover that turns is followed round its bend, and one that goes straight is not led astray.
+Each look's outline is held against the mover's own earlier ones.
 """
 
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import exp, hypot, sqrt
 from typing import NamedTuple
@@ -14,27 +16,28 @@ import numpy as np
 from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.sensing.claims import Expected
 from fuzzynav_mj.sensing.looks import Look
-from fuzzynav_mj.sensing.outline import end_rates, whole_ends
-from fuzzynav_mj.sensing.registration import Outline, hold_against, strays
-from fuzzynav_mj.sensing.segmentation import Hits
-from fuzzynav_mj.types import FloatArray, IntArray
+from fuzzynav_mj.sensing.outline import Outline, end_rates, in_one, left_over
+from fuzzynav_mj.sensing.registration import hold_against, misfit, strays
+from fuzzynav_mj.types import BoolArray, FloatArray
 
 FIRST_SPEED_SIGMA = 0.3  # m/s: what is believed of a mover before its motion is measured
 ACCELERATION_SIGMA = 0.6  # m/s2: how strongly movers are believed to change their velocity
 ACCELERATION_TIME = 1.0  # s: how long an acceleration is believed to last
 SPEED_NOISE = 0.03  # m/s per look: changes that the acceleration does not explain
 LARGEST_ACCELERATION = 1.2  # m/s2
-MATCH_DISTANCE = 0.20  # m between where a track expects its obstacle and where one is seen
-FORGET_AFTER = 3  # looks without a match
-END_SPREAD = 4.0
-CLAIM = 0.03
-STRAY = 0.012
-PASSES = 3
-MEMORY = 2
-REACH = 0.02
-LARGEST_REACH = 0.1
-UNSEEN = np.full((2, 2), np.nan)  # ends of an outline
-
+FORGET_AFTER = 8  # looks without a hit
+REMEMBERED = 2  # looks whose outlines are kept
+PASSES = 3  # rounds of fitting: each carries the earlier outlines on by the motion of the last
+REACH = 0.02  # m between an outline and an earlier one carried onward, besides ...
+LARGEST_REACH = 0.1  # ... what is uncertain of the motion, and at most
+CLAIM = 0.03  # m between a hit and the outline of a mover that claims it, besides the same
+STRAY_REACH = 0.08  # m within which a hit is held against an outline that should explain it
+STRAY = 0.008  # m by which it may lie off
+END_OUTLIER = 2.0  # standard deviations at which an end of an outline counts half
+SAME_MOVER = 3.0  # squared standard deviations between velocities that may be one
+SAME_MOVER_MISFIT = 0.006  # m by which one velocity may miss both outlines
+WHOLE = 0.6  # of the fullest outline that must be in sight for it to be the fullest one
+OUTLINE_TIME = 1.0  # s after which an outline, however full, is too old
 
 Row = tuple[float, float, float, float]  # of a measurement: what it takes of each of the state
 
@@ -65,26 +68,36 @@ class Track:
         centre: (2,) mean of its hits when last seen, world frame, carried on with its velocity.
         state: (4,) velocity, m/s, and acceleration, m/s2.
         covariance: (4, 4) of the state.
-        missed: looks since it was seen.
-        outlines: of the last looks, the stamp and the two ends (2, 2) of the visible outline; nan
-            for an end that something nearer may have hidden.
+        outlines: of the last looks.
+        fullest: the outline of a look, not long ago, that showed the most of it.
+        shift: (2,) how far the mover has gone since then, m ...
+        known_shift: (2,) ... up to when it was last seen.
+        reach: how far off its outline hits may lie, m.
+        seen: number of looks that showed it, and ...
+        missed: ... since then did not.
     """
 
     centre: FloatArray
     state: FloatArray
     covariance: FloatArray
+    outlines: deque[Outline]
+    fullest: Outline | None = None
+    shift: FloatArray = field(default_factory=lambda: np.zeros(2))
+    known_shift: FloatArray = field(default_factory=lambda: np.zeros(2))
+    reach: float = CLAIM
+    seen: int = 0
     missed: int = 0
-    moved: FloatArray = field(default_factory=lambda: np.zeros(2))
-    reach: float = 0.03
-    settled: bool = False
-    looks: int = 0
-    outlines: deque[Outline] = field(default_factory=lambda: deque(maxlen=MEMORY))
 
     @classmethod
-    def begin(cls, centre: FloatArray) -> "Track":
-        """A track of a mover whose velocity is not known yet."""
+    def begin(cls, centre: FloatArray, before: Sequence[Outline] = ()) -> "Track":
+        """A track of a mover whose velocity is not known yet.
+
+        Args:
+            centre: (2,) mean of its hits, world frame, m.
+            before: what earlier looks, the newest last, showed about its place.
+        """
         sigmas = np.array([FIRST_SPEED_SIGMA] * 2 + [ACCELERATION_SIGMA] * 2)
-        return cls(centre, np.zeros(4), np.diag(sigmas**2))
+        return cls(centre, np.zeros(4), np.diag(sigmas**2), deque(before, maxlen=REMEMBERED))
 
     @property
     def velocity(self) -> FloatArray:
@@ -106,6 +119,11 @@ class Track:
         largest = LARGEST_ACCELERATION / squared**0.5
         return float(min(max((vx * ay - vy * ax) / squared, -largest), largest))
 
+    @property
+    def speed_sigma(self) -> float:
+        """Uncertainty of the velocity, the larger one of its parts along the axes, m/s."""
+        return sqrt(max(self.covariance[0, 0], self.covariance[1, 1]))
+
     def sigma_along(self, x: float, y: float) -> float:
         """Uncertainty of the speed along the unit vector (x, y), m/s."""
         (xx, xy), (_, yy) = self.covariance[:2, :2].tolist()
@@ -118,52 +136,128 @@ class Track:
         squared = (yy * vx * vx - 2.0 * xy * vx * vy + xx * vy * vy) / (xx * yy - xy * xy)
         return bool(squared >= sigmas**2)
 
+    @property
+    def partly_hidden(self) -> bool:
+        """True if the last look showed less of it than an earlier one."""
+        return self.missed > 0 or self.fullest is not self.outlines[-1]
+
+    @property
+    def expected_outline(self) -> FloatArray:
+        """(2, k) the fullest outline where it should be now, world frame, m."""
+        assert self.fullest is not None
+        return self.fullest.points + self.shift[:, None]
+
     def predict(self, elapsed: float) -> None:
         """Carries the belief on to the next look."""
         self.centre = self.centre + self.velocity * elapsed
-        self.moved = self.moved + self.velocity * elapsed + self.state[2:] * (elapsed**2 / 2)
-        self.reach = min(self.reach + 2.0 * sqrt(max(self.covariance[0, 0], self.covariance[1, 1])) * elapsed, LARGEST_REACH)
+        self.shift = self.shift + elapsed * self.velocity + elapsed**2 / 2 * self.state[2:]
+        self.reach = min(self.reach + 2.0 * self.speed_sigma * elapsed, LARGEST_REACH)
         self.state, self.covariance = _carried_on(self.state, self.covariance, elapsed)
         self.missed += 1
 
-    def strays(self, seen: Outline, beliefs: Beliefs) -> np.ndarray:
-        before = self.outlines[-1]
-        e = seen.stamp - before.stamp
-        x, y = (e * self.state[:2] - e**2 / 2 * self.state[2:]).tolist()
-        return strays(seen, before, x, y, 0.08, STRAY + 3.0 * beliefs.noise)
-
-    def stands(self, hits: Hits, chosen: IntArray, now: Look) -> bool:
-        """True if hits that show no motion of their own do not end where the mover should."""
-        before = self.outlines[0]
-        elapsed = now.stamp - before.stamp
-        across, rates = end_rates(whole_ends(hits, chosen, now), before.ends, elapsed, now)
-        known = ~np.isnan(rates)
-        if not known.any():
-            return True
-        wanted = across[known] @ self.velocity
-        if np.abs(wanted).max() * elapsed < 0.015:
-            return False
-        return bool((np.abs(rates[known]) < 0.5 * np.abs(wanted)).all())
-
-    def take_in(self, seen: Outline, centre: FloatArray, now: Look, beliefs: Beliefs) -> None:
-        """Takes in what a look shows; in directions in which it shows none the belief stays.
+    def take_in(self, outline: Outline, look: Look, beliefs: Beliefs) -> BoolArray:
+        """Learns from what a look shows; in directions in which it shows none the belief stays.
 
         Args:
-            seen: its outline.
-            centre: (2,) mean of its hits.
-            now: the look.
-            beliefs: how far all these can be trusted.
+            outline: of the mover, k hits.
+            look: that they belong to.
+            beliefs: how far it can be trusted.
+
+        Returns:
+            (k,) True for the hits that the motion learnt does not explain: another's. If it
+            explains hardly any, nothing is learnt.
         """
+        others = np.zeros(len(outline.joined), dtype=bool)
+        elapsed, gone = 0.0, np.zeros(2)
         if self.outlines:
-            earlier = (self.outlines[0], self.outlines[-1])
-            self.state, self.covariance = _taken_in(
-                self.state, self.covariance, seen, earlier, min(len(self.outlines), 2), now, beliefs
-            )
-        self.centre = centre
-        self.missed = 0
-        self.looks += 1
-        self.moved = np.zeros(2)
-        self.reach = CLAIM
+            oldest, newest = self.outlines[0], self.outlines[-1]
+            state, covariance = _taken_in(
+                self.state, self.covariance, outline, (oldest, newest), len(self.outlines), look,
+                beliefs,
+            )  # fmt: skip
+            elapsed = outline.stamp - newest.stamp
+            gone = elapsed * state[:2] - elapsed**2 / 2 * state[2:]
+            if self.seen > 0:
+                tolerance = STRAY + 3.0 * beliefs.noise
+                x, y = gone.tolist()
+                others = strays(outline, newest, x, y, STRAY_REACH, tolerance)
+                explained = len(others) - int(others.sum())
+                if explained < max(len(others) / 2, 2.0):
+                    return np.ones(len(others), dtype=bool)
+                if explained < len(others):
+                    outline = left_over(outline, others)
+            self.state, self.covariance = state, covariance
+        self.known_shift = self.shift = self.known_shift + gone
+        self.centre = outline.points.mean(axis=1)
+        self.outlines.append(outline)
+        if self.fullest is None or self._is_fuller(outline):
+            self.fullest, self.known_shift = outline, np.zeros(2)
+            self.shift = self.known_shift
+        self.seen, self.missed, self.reach = self.seen + 1, 0, CLAIM
+        return others
+
+    def agrees(self, other: "Track") -> bool:
+        """True if one velocity explains what both have seen."""
+        both = self.covariance[:2, :2] + other.covariance[:2, :2]
+        off = self.velocity - other.velocity
+        if off @ np.linalg.solve(both, off) >= SAME_MOVER:
+            return False
+        state, _ = self._with(other)
+        return all(_misses(track, state) < SAME_MOVER_MISFIT for track in (self, other))
+
+    def absorb(self, other: "Track") -> None:
+        """Takes in what is known of a mover that turned out to be the same one, seen after it in
+        the order of the rays."""
+        self.state, self.covariance = self._with(other)
+        later = {outline.stamp: outline for outline in other.outlines}
+        for number, outline in enumerate(self.outlines):
+            if outline.stamp in later:
+                self.outlines[number] = in_one(outline, later[outline.stamp])
+        self.fullest = self.outlines[-1]
+        self.shift = self.known_shift = np.zeros(2)
+        self.centre = self.fullest.points.mean(axis=1)
+        self.seen = max(self.seen, other.seen)
+
+    def _with(self, other: "Track") -> tuple[FloatArray, FloatArray]:
+        """State and covariance in the light of both."""
+        mine, theirs = np.linalg.inv(self.covariance), np.linalg.inv(other.covariance)
+        covariance = np.ascontiguousarray(np.linalg.inv(mine + theirs))
+        return covariance @ (mine @ self.state + theirs @ other.state), covariance
+
+    def _is_fuller(self, outline: Outline) -> bool:
+        assert self.fullest is not None
+        old = outline.stamp - self.fullest.stamp > OUTLINE_TIME
+        return old or len(outline.joined) >= WHOLE * len(self.fullest.joined)
+
+
+def expected_outlines(tracks: Sequence[Track]) -> Expected:
+    """Where the tracks' outlines should be now."""
+    full = [track.fullest for track in tracks if track.fullest is not None]
+    if not full:
+        nobody = np.empty((0, 2))
+        none = np.empty(0, dtype=np.intp)
+        return Expected(
+            nobody.T.copy(), none > 0, nobody.T.copy(), none, nobody, nobody, np.empty(0)
+        )
+    return Expected(
+        points=np.concatenate([track.expected_outline for track in tracks], axis=1),
+        joined=np.concatenate([outline.joined for outline in full]),
+        normals=np.concatenate([outline.normals for outline in full], axis=1),
+        owner=np.repeat(np.arange(len(tracks)), [len(outline.joined) for outline in full]),
+        velocity=np.array([track.velocity for track in tracks]),
+        centre=np.array([track.centre for track in tracks]),
+        reach=np.array([track.reach for track in tracks], dtype=np.float64),
+    )
+
+
+def _misses(track: Track, state: FloatArray) -> float:
+    """By how much a motion misses the last outline of a track, m; inf if that cannot be told."""
+    if len(track.outlines) < 2:
+        return float("inf")
+    now, before = track.outlines[-1], track.outlines[-2]
+    elapsed = now.stamp - before.stamp
+    x, y = (elapsed * state[:2] - elapsed**2 / 2 * state[2:]).tolist()
+    return misfit(now, before, x, y, STRAY_REACH)
 
 
 @compiled
@@ -195,37 +289,25 @@ def _carried_on(
 def _taken_in(
     state: FloatArray,
     covariance: FloatArray,
-    seen: Outline,
+    outline: Outline,
     earlier: tuple[Outline, Outline],
     count: int,
-    now: Look,
+    look: Look,
     beliefs: Beliefs,
 ) -> tuple[FloatArray, FloatArray]:
-    """State (4,) and covariance (4, 4) after a look; see `Track.take_in`."""
+    """State (4,) and covariance (4, 4) after a look; see `Track.take_in`.
+
+    The first `count` of the earlier outlines count, of whose ends the first one's.
+    """
     prior = _inverse(covariance)
-    fit, doubt = state, covariance
-    posterior = covariance
+    fit, doubt, posterior = state, covariance, covariance
     for _ in range(PASSES):
         information, evidence = prior.copy(), _times(prior, state)
         for k in range(count):
-            _add_surface(information, evidence, fit, doubt, seen, earlier[k], beliefs)
-        for k in range(1):
-            before = earlier[k]
-            elapsed = seen.stamp - before.stamp
-            across, rates = end_rates(seen.ends, before.ends, elapsed, now)
-            for end in range(2):
-                if not np.isnan(rates[end]):
-                    row = _row(across[end, 0], across[end, 1], elapsed)
-                    off, spread = rates[end], END_SPREAD * (beliefs.outline_sigma / elapsed) ** 2
-                    for a in range(4):
-                        off -= row[a] * fit[a]
-                        for b in range(4):
-                            spread += row[a] * doubt[a, b] * row[b]
-                    weight = (elapsed / beliefs.outline_sigma) ** 2 / (1.0 + off * off / spread)
-                    _add(information, evidence, row, rates[end], weight)
+            _add_surface(information, evidence, fit, doubt, outline, earlier[k], beliefs)
+        _add_ends(information, evidence, fit, doubt, outline, earlier[0], look, beliefs)
         posterior = _inverse(information)
-        fit = _times(posterior, evidence)
-        doubt = np.zeros((4, 4))
+        fit, doubt = _times(posterior, evidence), np.zeros((4, 4))
     return fit, posterior
 
 
@@ -235,32 +317,76 @@ def _add_surface(
     evidence: FloatArray,
     guess: FloatArray,
     doubt: FloatArray,
-    seen: Outline,
+    outline: Outline,
     before: Outline,
     beliefs: Beliefs,
 ) -> None:
-    elapsed = seen.stamp - before.stamp
+    """Adds the motion of an outline since an earlier one to the normal equations.
+
+    Hits that contradict what is believed count less: they may lie on another face, or another
+    obstacle.
+
+    Args:
+        information, evidence: (4, 4) and (4,) of the normal equations.
+        guess: (4,) state that the hits should not contradict.
+        doubt: (4, 4) its covariance.
+        outline, before: now and earlier.
+        beliefs: see `Track.take_in`.
+    """
+    elapsed = outline.stamp - before.stamp
+    if elapsed <= 0.0:
+        return
     x = elapsed * guess[0] - elapsed**2 / 2 * guess[2]
     y = elapsed * guess[1] - elapsed**2 / 2 * guess[3]
     unsure = elapsed * sqrt(max(doubt[0, 0], doubt[1, 1]))
-    shift = hold_against(seen, before, x, y, min(REACH + 2.0 * unsure, LARGEST_REACH))
-    count = 0
+    shift = hold_against(outline, before, x, y, min(REACH + 2.0 * unsure, LARGEST_REACH))
+    # Smoothing spreads one hit's noise over its neighbours, so all that the hits tell together
+    # is limited by the raw noise over their number.
+    crowd = max(1.0, shift.known.sum() / beliefs.independent_hits)
+    variance = beliefs.flow_sigma**2 * crowd + 2.0 * beliefs.noise**2
     for i in range(len(shift.known)):
-        count += shift.known[i]
-    variance = beliefs.flow_sigma**2 * max(1.0, count / beliefs.independent_hits)
-    variance += 2.0 * beliefs.noise**2
-    for i in range(len(shift.known)):
-        if not shift.known[i]:
-            continue
-        row = _row(shift.normals[0, i], shift.normals[1, i], elapsed)
-        off = rate = shift.distance[i] / elapsed
-        spread = beliefs.outlier**2
-        for a in range(4):
-            off -= row[a] * guess[a]
-            for b in range(4):
-                spread += row[a] * doubt[a, b] * row[b]
-        weight = elapsed**2 / (variance + shift.blur[i] ** 2) / (1.0 + off * off / spread)
-        _add(information, evidence, row, rate, weight)
+        if shift.known[i]:
+            row = _row(shift.normals[0, i], shift.normals[1, i], elapsed)
+            spread = beliefs.outlier**2
+            doubted = variance + shift.blur[i] ** 2
+            rate = shift.distance[i] / elapsed
+            weight = elapsed**2 / doubted * _trust(row, rate, guess, doubt, spread)
+            _add(information, evidence, row, rate, weight)
+
+
+@compiled
+def _add_ends(
+    information: FloatArray,
+    evidence: FloatArray,
+    guess: FloatArray,
+    doubt: FloatArray,
+    outline: Outline,
+    before: Outline,
+    look: Look,
+    beliefs: Beliefs,
+) -> None:
+    """Adds the motion of an outline's ends; the arguments are those of `_add_surface`."""
+    elapsed = outline.stamp - before.stamp
+    across, rates = end_rates(outline.ends, before.ends, elapsed, look)
+    for end in range(2):
+        if not np.isnan(rates[end]):
+            row = _row(across[end, 0], across[end, 1], elapsed)
+            variance = (beliefs.outline_sigma / elapsed) ** 2
+            spread = END_OUTLIER**2 * variance
+            trust = _trust(row, rates[end], guess, doubt, spread)
+            _add(information, evidence, row, rates[end], trust / variance)
+
+
+@compiled
+def _trust(row: Row, value: float, guess: FloatArray, doubt: FloatArray, spread: float) -> float:
+    """Share that a measurement counts: half where it lies off the guess by the root of `spread`
+    and what the guess is doubted by."""
+    off = value
+    for a in range(4):
+        off -= row[a] * guess[a]
+        for b in range(4):
+            spread += row[a] * doubt[a, b] * row[b]
+    return 1.0 / (1.0 + off * off / spread)
 
 
 @compiled
@@ -306,20 +432,3 @@ def _inverse(matrix: FloatArray) -> FloatArray:
                 for j in range(size):
                     inverse[i, j] -= factor * inverse[k, j]
     return inverse
-
-
-def expected_outlines(tracks: list[Track]) -> Expected:
-    """Where the tracks' outlines should be now."""
-    if not tracks:
-        return Expected(np.empty((2, 0)), np.empty(0, dtype=bool), np.empty((2, 0)), np.empty(0, dtype=np.intp), np.empty((0, 2)), np.empty(0), np.empty((0, 2)))
-    last = [track.outlines[-1] for track in tracks]
-    counts = [outline.points.shape[1] for outline in last]
-    return Expected(
-        np.concatenate([o.points + t.moved[:, None] for o, t in zip(last, tracks)], axis=1),
-        np.concatenate([o.joined for o in last]),
-        np.concatenate([o.normals for o in last], axis=1),
-        np.repeat(np.arange(len(tracks)), counts),
-        np.array([t.velocity for t in tracks]),
-        np.array([t.reach for t in tracks]),
-        np.array([t.centre for t in tracks]),
-    )

@@ -7,11 +7,18 @@ import pytest
 
 from fuzzynav_mj.sensing.lidar import ray_bearings
 from fuzzynav_mj.sensing.looks import Look, take_look
-from fuzzynav_mj.sensing.segmentation import Hits, drop_single, gather_hits, split_by_motion
+from fuzzynav_mj.sensing.segmentation import (
+    NEW,
+    STANDS,
+    Hits,
+    divide,
+    drop_single,
+    gather_hits,
+    run_bounds,
+)
 from fuzzynav_mj.types import IntArray, LaserScan, Pose2D
 
 COUNT = 180
-NOBODY = np.empty((0, 2))
 KINDS = {"m": 1, "s": -1, "?": 0}
 
 
@@ -31,7 +38,7 @@ def row_of(groups: str, step: float = 0.02) -> Hits:
     """Hits on a line, `step` m apart, with a gap before each new letter."""
     count = len(groups)
     points = np.array([np.arange(count) * step, np.zeros(count)])
-    first = np.array([i == 0 or groups[i] != groups[i - 1] for i in range(count)])
+    first = np.array([i == 0 or groups[i] != groups[i - 1] for i in range(count)], dtype=bool)
     return Hits(points, np.arange(count), first)
 
 
@@ -46,43 +53,68 @@ def test_groups_are_parted_by_gaps_and_not_by_the_first_ray(yaw: float) -> None:
     assert starts == {60, 66, COUNT - 5}
 
 
+def divided(groups: str, flags: str, claims: str, centre: float = 0.05, step: float = 0.02) -> str:
+    """Owners as text: 0..9 a known mover, n new, s stands. `claims` names movers or none (.)."""
+    hits = row_of(groups, step)
+    around = look([], Pose2D(0.0, 0.0, 0.0))
+    around.joined[: max(len(groups) - 1, 0)] = ~hits.first[1:]
+    claimed = np.array([-1 if c == "." else int(c) for c in claims], dtype=np.intp)
+    centres = np.array([[centre, 0.0], [centre, 0.0]])
+    owners = divide(hits, flags_of(flags), claimed, centres, around, 0.7)
+    names = {STANDS: "s", NEW: "n"}
+    return "".join(names.get(int(owner), str(owner)) for owner in owners)
+
+
 def test_no_hit_no_group() -> None:
     hits = gather_hits(look([], Pose2D(0.0, 0.0, 0.0)))
     assert hits.points.shape == (2, 0) and len(hits.rays) == len(hits.first) == 0
-    bounds, kinds = split_by_motion(hits, flags_of(""), NOBODY, 0.7)
-    assert bounds.tolist() == [0] and len(kinds) == 0
+    assert divided("", "", "") == ""
+    assert run_bounds(hits.first, np.empty(0, dtype=np.intp)).tolist() == [0]
 
 
 @pytest.mark.parametrize(
-    ("groups", "flags", "bounds", "kinds"),
+    ("groups", "flags", "owners"),
     [
-        ("aaaabb", "ssssss", [0, 4, 6], "ss"),
-        ("aaaabb", "??????", [0, 4, 6], "ss"),  # nothing known: standing
-        ("aaaaaaaabb", "s????s?smm", [0, 8, 10], "sm"),
-        ("aaaa", "smss", [0, 4], "s"),  # a lone hit is overruled by its neighbours
-        ("aaaaaaaa", "smmsssss", [0, 8], "m"),  # a quarter moves: so does all of it
-        ("aabb", "smms", [0, 1, 2, 3, 4], "smms"),  # one hit does not move a group
+        ("aaaabb", "ssssss", "ssssss"),
+        ("aaaabb", "??????", "ssssss"),  # nothing known: standing
+        ("aaaaaaaabb", "s????s?smm", "ssssssssnn"),
+        ("aaaa", "smss", "ssss"),  # a lone hit is overruled by its neighbours
+        ("aaaaaaaa", "smmsssss", "nnnnnnnn"),  # a quarter moves: so does all of it
+        ("aabb", "smms", "snns"),  # one hit does not move a group
     ],
 )
-def test_small_groups(groups: str, flags: str, bounds: list[int], kinds: str) -> None:
-    found, said = split_by_motion(row_of(groups), flags_of(flags), NOBODY, 0.7)
-    assert found.tolist() == bounds
-    assert said.tolist() == flags_of(kinds).tolist()
+def test_groups_that_nobody_claims(groups: str, flags: str, owners: str) -> None:
+    assert divided(groups, flags, "." * len(groups)) == owners
 
 
 def test_large_group_is_split_where_motion_ends_and_unknown_hits_go_with_those_before() -> None:
-    hits = row_of("a" * 12, step=0.1)
-    bounds, kinds = split_by_motion(hits, flags_of("??mmm??sssss"), NOBODY, 0.7)
-    assert bounds.tolist() == [0, 7, 12]
-    assert kinds.tolist() == flags_of("ms").tolist()
+    assert divided("a" * 12, "??mmm??sssss", "." * 12, step=0.1) == "nnnnnnnsssss"
 
 
-@pytest.mark.parametrize(("away", "kind"), [(0.10, "m"), (0.20, "s")])
-def test_small_group_where_a_mover_is_expected_moves(away: float, kind: str) -> None:
-    hits = row_of("aaaaa")
-    expected = np.array([[9.0, 9.0], [0.04, away]])
-    _, kinds = split_by_motion(hits, flags_of("sssss"), expected, 0.7)
-    assert kinds.tolist() == flags_of(kind).tolist()
+@pytest.mark.parametrize(
+    ("flags", "claims", "owners"),
+    [
+        ("mmmm??", "0000..", "000000"),  # two hits came into view beside it
+        ("mmsss", "0....", "00sss"),  # a hit that moves beside it; most of the group stands
+        ("mmmmsm", "0000.1", "000001"),  # most of a small group is known: all of it is
+        ("ssss", "0000", "0000"),  # a side that slides along itself
+    ],
+)
+def test_hits_beside_known_movers(flags: str, claims: str, owners: str) -> None:
+    assert divided("a" * len(flags), flags, claims) == owners
+
+
+def test_standing_hits_far_from_where_the_mover_should_be_are_none_of_its() -> None:
+    assert divided("aaaa", "ssss", "0000", centre=0.3) == "ssss"
+
+
+def test_a_wall_beside_a_mover_stands() -> None:
+    assert divided("a" * 12, "mmmm????ssss", "0000........", step=0.08) == "0000ssssssss"
+
+
+def test_bounds_part_groups_and_owners() -> None:
+    first = np.array([True, False, False, True, False])
+    assert run_bounds(first, np.array([0, 0, -1, -1, -1])).tolist() == [0, 2, 3, 5]
 
 
 def test_single_moving_hits_tell_nothing() -> None:

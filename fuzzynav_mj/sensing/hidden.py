@@ -1,0 +1,32 @@
+"""The part of a known mover that something nearer hides."""
+
+from math import atan2, hypot, pi
+
+import numpy as np
+
+from fuzzynav_mj.compiled import compiled
+from fuzzynav_mj.sensing.looks import Look
+from fuzzynav_mj.types import FloatArray
+
+IN_FRONT = 0.03  # m: what hides a point is nearer by as much
+SEEN_THROUGH = 0.05  # m: a ray that reaches this much farther shows that a place is free
+
+
+@compiled
+def hidden_part(points: FloatArray, look: Look, max_range: float) -> tuple[FloatArray, int]:
+    """(k, 2) those of the points (2, n), world frame, that something nearer hides, and the number
+    of those whose place is seen to be free."""
+    rays = len(look.ranges)
+    found, count, free = np.empty((points.shape[1], 2)), 0, 0
+    for i in range(points.shape[1]):
+        dx, dy = points[0, i] - look.x, points[1, i] - look.y
+        distance = hypot(dx, dy)
+        if distance >= max_range:
+            continue
+        ray = int((atan2(dy, dx) - look.yaw + pi) * (rays / (2 * pi)) + 0.5) % rays
+        if look.ranges[ray] < distance - IN_FRONT:
+            found[count, 0], found[count, 1] = points[0, i], points[1, i]
+            count += 1
+        elif look.ranges[ray] > distance + SEEN_THROUGH:
+            free += 1
+    return found[:count].copy(), free
