@@ -7,6 +7,7 @@ MuJoCo's own functions by their addresses and writes to the simulation's arrays.
 import ctypes
 from collections.abc import Callable
 from math import atan2, cos, hypot, pi, sin
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -23,8 +24,10 @@ def native(name: str) -> Native:
 
     It must be one of those that take model and data and return nothing.
     """
-    # The bindings link to the library, so its functions are found through them on every system.
-    function = ctypes.CDLL(mujoco._functions.__file__)[name]
+    # Where a library's functions are not found through the bindings that link to it, it is named.
+    named = Path(mujoco.__file__).with_name("mujoco.dll")
+    library = ctypes.CDLL(str(named if named.exists() else mujoco._functions.__file__))
+    function = library[name]
     function.argtypes, function.restype = (ctypes.c_int64, ctypes.c_int64), None
     return function
 

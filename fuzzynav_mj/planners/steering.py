@@ -16,7 +16,8 @@ def position_after(
     """Where the footprint's centre is one decision period later if the speeds become these.
 
     The speeds are first brought within the robot's limits and then ramped to, exactly as
-    `control.drive_towards` does; given the position found here it drives these very speeds.
+    `control.drive_towards` does; given the position found here it drives there to within a
+    millimetre, and but for rare cases at the limits with these very speeds.
 
     Args:
         v: forward speed at the period's end, m/s, negative in reverse.
