@@ -62,6 +62,7 @@ class MultilayerPlanner:
         self._evading = False
         self._mover_seen = -inf
         self._anchor: tuple[float, float, float] | None = None
+        self._way_in: tuple[float, float] | None = None
 
     def decide(self, observation: Observation) -> Decision:
         """The next position, and why."""
@@ -74,6 +75,8 @@ class MultilayerPlanner:
         heading = self._guidance.head((pose.x, pose.y), around.sight, among_movers)
         dock = docking(self._problem, pose) if heading.direct else None
         subgoal = heading.subgoal if dock is None else dock.target
+        way_out = self._way_out(observation.stamp)
+        subgoal = subgoal if way_out is None else way_out
         target = _in_robot_frame(subgoal, pose)
         wanted = atan2(target[1], target[0])
         if dock is not None and dock.turn_to is not None:
@@ -203,6 +206,16 @@ class MultilayerPlanner:
         kept: BoolArray = alike & (motions.speed != 0.0)
         return kept
 
+    def _way_out(self, stamp: float) -> tuple[float, float] | None:
+        """Where the robot came from, if it has been getting nowhere though nothing moved.
+
+        Askew in the mouth of a narrow gap no single motion helps; backing out and coming again
+        does.
+        """
+        if self._anchor is None or stamp - self._mover_seen < self._settings.wedged_time:
+            return None
+        return self._way_in if stamp - self._anchor[2] > self._settings.wedged_time else None
+
     def _give_up(
         self, observation: Observation, heading: Heading
     ) -> Literal["no_path", "stuck"] | None:
@@ -211,6 +224,7 @@ class MultilayerPlanner:
         x, y = observation.pose.x, observation.pose.y
         anchor = self._anchor
         if anchor is None or hypot(x - anchor[0], y - anchor[1]) > self._settings.stuck_radius:
+            self._way_in = anchor[:2] if anchor is not None else None
             self._anchor = (x, y, observation.stamp)
         elif observation.stamp - anchor[2] > self._settings.stuck_time:
             return "stuck"

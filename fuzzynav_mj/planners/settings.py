@@ -27,8 +27,10 @@ class DecisionSettings:
         passing_length: ... per metre driven on it, and ...
         passing_weight: ... per step and metre missing of the movers' berth on it.
         progress_steps: decision periods after which the progress counts.
-        stuck_time: time without leaving a circle of `stuck_radius` after which the robot gives up.
-        stuck_radius: its radius.
+        wedged_time: time without leaving a circle of `stuck_radius`, though nothing moves, after
+            which the robot goes back to where it came from ...
+        stuck_time: ... and, whatever moves, after which it gives up.
+        stuck_radius: the circle's radius.
     """
 
     static_margin: float = 0.015
@@ -50,6 +52,7 @@ class DecisionSettings:
     passing_length: float = 0.5
     passing_weight: float = 1.0
     progress_steps: int = 8
+    wedged_time: float = 6.0
     stuck_time: float = 45.0
     stuck_radius: float = 0.3
 
