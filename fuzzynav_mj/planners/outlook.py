@@ -4,13 +4,13 @@ The speed cap lies here, below the fuzzy gate: a candidate is admissible only if
 short of everything that stands and of everything that this look has not seen.
 """
 
-from dataclasses import dataclass
 from math import atan2, ceil, cos, pi, sin
+from typing import NamedTuple
 
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
-from fuzzynav_mj.planners.clearance import FAR, moving_clearance, static_clearance
+from fuzzynav_mj.planners.clearance import FAR, nearest_gap
 from fuzzynav_mj.planners.motions import HORIZON, Motions
 from fuzzynav_mj.planners.passing import JUDGED
 from fuzzynav_mj.planners.settings import DecisionSettings
@@ -21,8 +21,7 @@ from fuzzynav_mj.types import BoolArray, FloatArray, IntArray, Pose2D
 SOON = 4  # decision periods that count where no candidate keeps clear of what stands
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Outlook:
+class Outlook(NamedTuple):
     """Prospects of m candidates.
 
     Attributes:
@@ -50,6 +49,26 @@ class Outlook:
     admissible: BoolArray
 
 
+class _Movers(NamedTuple):
+    """What moves, and how far to keep away from it in each of T periods.
+
+    Attributes:
+        expected: (T, k, 2) points as far as their motion can be foreseen, robot frame ...
+        possible: (T, j, 2) ... and where else they may be.
+        wanted: (T,) gap that an admissible candidate keeps to the former, m ...
+        unlikely: (T,) ... and to the latter.
+        berth: (T,) gap below which a candidate costs more.
+        contact: a smaller gap counts as contact, m.
+    """
+
+    expected: FloatArray
+    possible: FloatArray
+    wanted: FloatArray
+    unlikely: FloatArray
+    berth: FloatArray
+    contact: float
+
+
 def look_ahead(
     motions: Motions,
     around: Surroundings,
@@ -62,35 +81,26 @@ def look_ahead(
     to_robot = np.array([[c, s], [-s, c]])
     times = period_ends(spec)
     standing = around.sight.points @ to_robot.T
-    gaps = static_clearance(motions.poses, standing, spec.half_side)
-    stops, static, static_ok = _stop_in_time(
+    wanted = settings.moving_margin + settings.moving_margin_growth * times
+    movers = _Movers(
+        expected=around.expected[:HORIZON].transpose(0, 2, 1) @ to_robot.T,
+        possible=around.possible.transpose(0, 2, 1) @ to_robot.T,
+        wanted=wanted,
+        unlikely=settings.unlikely_share * wanted,
+        berth=settings.moving_gap
+        + settings.moving_gap_growth * np.minimum(times, settings.moving_gap_time),
+        contact=settings.contact_gap,
+    )
+    return _prospects(
         motions.poses,
-        gaps,
+        standing,
         _margins(motions.speed, standing, times, spec, settings),
         around.sight.ranges,
         pose.yaw - float(around.sight.bearings[0]),
         motions.brake_steps,
         spec.max_yaw_acceleration * spec.decision_period**2,
-    )
-    poses = motions.stopping(stops)
-    expected = moving_clearance(poses, to_robot @ around.expected[:HORIZON], spec.half_side)
-    possible = moving_clearance(poses, to_robot @ around.possible, spec.half_side)
-    moving = np.minimum(expected, possible)
-    berth = settings.moving_gap + settings.moving_gap_growth * np.minimum(
-        times, settings.moving_gap_time
-    )
-    wanted = settings.moving_margin + settings.moving_margin_growth * times
-    free = np.logical_and.accumulate(expected >= settings.contact_gap, axis=1)
-    return Outlook(
-        poses=poses,
-        static=static,
-        moving=moving.min(axis=1),
-        expected=expected.min(axis=1),
-        crowding=np.maximum(berth - moving, 0.0)[:, :JUDGED].max(axis=1),
-        static_ok=static_ok,
-        contact_step=np.add.reduce(free, axis=1, dtype=np.intp),
-        soon=gaps[:, :SOON].min(axis=1),
-        admissible=static_ok & (moving >= wanted).all(axis=1),
+        movers,
+        spec.half_side,
     )
 
 
@@ -111,48 +121,86 @@ def _margins(
 
 
 @compiled
-def _stop_in_time(
+def _prospects(
     poses: FloatArray,
-    gaps: FloatArray,
+    standing: FloatArray,
     margins: FloatArray,
     ranges: FloatArray,
     turn: float,
     brake_steps: IntArray,
     slowing: float,
-) -> tuple[IntArray, FloatArray, BoolArray]:
-    """Stops each candidate before what stands or is unseen.
+    movers: _Movers,
+    half_side: float,
+) -> Outlook:
+    """What becomes of candidates that stop before what stands or is unseen.
 
     Args:
         poses: (m, T, 3) robot frame.
-        gaps: (m, T) to what stands.
-        margins: (m, T) that must be kept.
+        standing: (k, 2) points of what stands, robot frame.
+        margins: (m, T) that must be kept to it.
         ranges: (n,) of the rays.
         turn: bearing of the robot's own axis from the first ray, rad.
         brake_steps: (m,) periods it takes to stop driving.
         slowing: by which a turn per period can slow down in a period, rad.
-
-    Returns:
-        (m,) the periods after which they stop, (m,) the smallest gap until then, and (m,) whether
-        there is time to stop.
+        movers: what moves.
+        half_side: of the footprint, m.
     """
-    count, periods = gaps.shape
+    count, periods = poses.shape[:2]
     rays_per_radian = len(ranges) / (2 * pi)
-    stops = np.full(count, periods - 1)
-    smallest = np.empty(count)
-    in_time = np.full(count, True)
+    surely_seen = ranges.min() ** 2
+    found = Outlook(
+        poses.copy(),
+        np.full(count, FAR),
+        np.full(count, FAR),
+        np.full(count, FAR),
+        np.zeros(count),
+        np.full(count, True),
+        np.full(count, periods),
+        np.full(count, FAR),
+        np.empty(count, dtype=np.bool_),
+    )
+    sofar, c, s = np.empty(periods), np.empty(periods), np.empty(periods)
     for i in range(count):
+        stop, likely, smallest = periods - 1, 0, FAR
         for j in range(periods):
             x, y = poses[i, j, 0], poses[i, j, 1]
-            blocked = gaps[i, j] < margins[i, j]
-            if not blocked:
+            c[j], s[j] = cos(poses[i, j, 2]), sin(poses[i, j, 2])
+            gap, likely = nearest_gap(x, y, c[j], s[j], standing, likely, half_side)
+            if j < SOON:
+                found.soon[i] = min(found.soon[i], gap)
+            smallest = min(smallest, gap)
+            sofar[j] = smallest
+            if stop < periods - 1 or not found.static_ok[i]:
+                if j + 1 >= SOON:
+                    break
+                continue
+            blocked = gap < margins[i, j]
+            if not blocked and x * x + y * y > surely_seen:
                 ray = round((atan2(y, x) + turn) * rays_per_radian) % len(ranges)
                 blocked = x * x + y * y > ranges[ray] ** 2
             if blocked:
                 before = poses[i, j - 1, 2] if j > 0 else 0.0
                 spin_steps = ceil(abs(poses[i, j, 2] - before) / slowing - 1e-3)
                 last = j - 1 - max(brake_steps[i], spin_steps)
-                in_time[i] = last >= 0
-                stops[i] = max(last, 0)
-                break
-        smallest[i] = gaps[i, : stops[i] + 1].min()
-    return stops, smallest, in_time
+                found.static_ok[i] = last >= 0
+                stop = max(last, 0)
+                if j + 1 >= SOON:
+                    break
+        found.static[i] = sofar[stop]
+        found.poses[i, stop + 1 :] = poses[i, stop]
+        kept = True
+        near, other = 0, 0
+        for j in range(periods):
+            k = min(j, stop)
+            x, y = poses[i, k, 0], poses[i, k, 1]
+            gap, near = nearest_gap(x, y, c[k], s[k], movers.expected[j], near, half_side)
+            swerved, other = nearest_gap(x, y, c[k], s[k], movers.possible[j], other, half_side)
+            kept = kept and gap >= movers.wanted[j] and swerved >= movers.unlikely[j]
+            if gap < movers.contact:
+                found.contact_step[i] = min(found.contact_step[i], j)
+            found.expected[i] = min(found.expected[i], gap)
+            found.moving[i] = min(found.moving[i], gap, swerved)
+            if j < JUDGED:
+                found.crowding[i] = max(found.crowding[i], movers.berth[j] - min(gap, swerved))
+        found.admissible[i] = found.static_ok[i] and kept
+    return found
