@@ -116,8 +116,11 @@ def _margins(
     gap_now = float(np.sqrt((beside * beside).sum(axis=1)).min(initial=FAR))
     speed = np.abs(aim)[:, None]
     margin = settings.static_margin + settings.static_margin_growth * speed
-    # Closer than that already: any speed will do that makes room at once.
-    return np.minimum(margin, gap_now - 0.002 + settings.static_recovery * speed * times)
+    # Closer than that already: any speed will do that makes room at once, and a slow one that keeps
+    # what room there is; or else a robot that was driven into a nook could never leave it.
+    kept = gap_now - (0.002 if gap_now > 0.01 else 0.0005)
+    hasty = np.maximum(speed - settings.creeping_speed, 0.0)
+    return np.minimum(margin, kept + settings.static_recovery * hasty * times)
 
 
 @compiled

@@ -10,7 +10,8 @@ class DecisionSettings:
     Attributes:
         static_margin: smallest gap kept to what stands, when creeping ...
         static_margin_growth: ... and per m/s of speed.
-        static_recovery: gap to regain per metre travelled where there is less than the margin.
+        static_recovery: gap to regain where there is less than the margin, per metre travelled ...
+        creeping_speed: ... faster than this.
         comfortable_gap: gap to standing obstacles below which a candidate costs more.
         static_weight: cost per metre missing of it.
         moving_margin: smallest gap kept to what moves, now ...
@@ -37,6 +38,7 @@ class DecisionSettings:
     static_margin: float = 0.015
     static_margin_growth: float = 0.05
     static_recovery: float = 0.15
+    creeping_speed: float = 0.2
     comfortable_gap: float = 0.10
     static_weight: float = 1.5
     moving_margin: float = 0.06

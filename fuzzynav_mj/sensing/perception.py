@@ -6,7 +6,7 @@ The memory is a few looks and the tracks of movers in sight: nothing of the worl
 from collections import deque
 from dataclasses import dataclass
 from itertools import pairwise
-from math import atan2, hypot, pi
+from math import atan2, hypot, pi, sqrt
 
 import numpy as np
 
@@ -130,9 +130,10 @@ class Perceiver:
         if previous is not None:
             for track in self._tracks:
                 track.predict(now.stamp - previous.stamp)
-        expected = expected_outlines(self._tracks)
+        expected = expected_outlines(self._tracks, 2.0 * self._noise)
         elapsed = float(flow.elapsed[0]) if earlier else 0.0
-        claims = claimed(hits, flags, expected, elapsed, settings.still)
+        still = settings.still + settings.certainty * sqrt(2.0) * self._noise
+        claims = claimed(hits, flags, expected, elapsed, still)
         owners = divide(hits, flags, claims, expected.centre, now, settings.mover_extent)
         obstacles = self._obstacles(hits, flags, owners, now) + self._hidden(now)
         self._tracks = [track for track in self._tracks if track.missed <= FORGET_AFTER]

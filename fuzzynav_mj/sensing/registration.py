@@ -74,7 +74,7 @@ def _piece_beneath(outline: Outline, x: float, y: float, reach: float) -> int:
     none within reach."""
     nearest, found = reach, -1
     for k in range(outline.points.shape[1] - 1):
-        if not outline.joined[k]:
+        if not _is_piece(outline, k):
             continue
         ax, ay = outline.points[0, k], outline.points[1, k]
         along_x, along_y = outline.points[0, k + 1] - ax, outline.points[1, k + 1] - ay
@@ -88,11 +88,21 @@ def _piece_beneath(outline: Outline, x: float, y: float, reach: float) -> int:
 
 
 @compiled
+def _is_piece(outline: Outline, k: int) -> bool:
+    """True if a surface joins a hit and the next one, and noise leaves its normal known."""
+    known: bool = outline.normals[0, k] != 0.0 or outline.normals[1, k] != 0.0
+    return known if outline.joined[k] else False
+
+
+@compiled
 def _bend(outline: Outline, piece: int, nx: float, ny: float) -> float:
-    """Sine of the angle between a normal and a piece of outline; 1 where there is none."""
+    """Sine of the angle between a normal and a piece of outline; 1 where there is none, 0 where
+    noise leaves its normal unknown."""
     if piece < 0 or piece >= len(outline.joined) or not outline.joined[piece]:
         return 1.0
     x, y = outline.normals[0, piece], outline.normals[1, piece]
+    if x == y == 0.0:
+        return 0.0
     return abs(x * ny - y * nx) if x * nx + y * ny > 0.0 else 1.0
 
 
@@ -108,7 +118,10 @@ def strays(
     """
     shift = hold_against(now, before, x, y, reach)
     count = len(shift.known)
-    if shift.known.sum() < COMPARABLE * min(count, before.points.shape[1]):
+    pieces = 0
+    for k in range(len(before.joined)):
+        pieces += _is_piece(before, k)
+    if shift.known.sum() < COMPARABLE * min(count, pieces):
         return np.full(count, True)
     off = np.zeros(count, dtype=np.bool_)
     for i in range(count):

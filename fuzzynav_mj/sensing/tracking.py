@@ -178,7 +178,7 @@ class Track:
             elapsed = outline.stamp - newest.stamp
             gone = elapsed * state[:2] - elapsed**2 / 2 * state[2:]
             if self.seen > 0:
-                tolerance = STRAY + 3.0 * beliefs.noise
+                tolerance = STRAY + 6.0 * beliefs.noise
                 x, y = gone.tolist()
                 others = strays(outline, newest, x, y, STRAY_REACH, tolerance)
                 explained = len(others) - int(others.sum())
@@ -230,8 +230,8 @@ class Track:
         return old or len(outline.joined) >= WHOLE * len(self.fullest.joined)
 
 
-def expected_outlines(tracks: Sequence[Track]) -> Expected:
-    """Where the tracks' outlines should be now."""
+def expected_outlines(tracks: Sequence[Track], slack: float) -> Expected:
+    """Where the tracks' outlines should be now, give or take `slack`, m, for the sensor's noise."""
     full = [track.fullest for track in tracks if track.fullest is not None]
     if not full:
         nobody = np.empty((0, 2))
@@ -246,7 +246,7 @@ def expected_outlines(tracks: Sequence[Track]) -> Expected:
         owner=np.repeat(np.arange(len(tracks)), [len(outline.joined) for outline in full]),
         velocity=np.array([track.velocity for track in tracks]),
         centre=np.array([track.centre for track in tracks]),
-        reach=np.array([track.reach for track in tracks], dtype=np.float64),
+        reach=np.array([track.reach + slack for track in tracks], dtype=np.float64),
     )
 
 
