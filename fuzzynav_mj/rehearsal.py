@@ -17,8 +17,12 @@ from fuzzynav_mj.planners.multilayer import MultilayerPlanner
 from fuzzynav_mj.scenarios.motion import Mover, waypoint_motion
 from fuzzynav_mj.scenarios.schema import Scenario
 from fuzzynav_mj.scenarios.shape import Shape
+from fuzzynav_mj.sensing.hidden import hidden_part
 from fuzzynav_mj.sensing.lateness import brought_up
+from fuzzynav_mj.sensing.looks import Look, take_look
+from fuzzynav_mj.sensing.outline import left_over, outline_around
 from fuzzynav_mj.sensing.perception import Perceiver
+from fuzzynav_mj.sensing.registration import misfit
 from fuzzynav_mj.tasks.simulation import EpisodeSimulation
 from fuzzynav_mj.types import Pose2D
 
@@ -67,3 +71,13 @@ def rehearse() -> None:
     imperfect = Perceiver(simulation.spec, sensor=Disturbance(range_noise_m=0.01))
     seen = imperfect.perceive(simulation.scan, simulation.pose)
     brought_up(seen, simulation.pose, simulation.spec.decision_period)
+    _rehearse_meetings(take_look(simulation.scan, simulation.pose), simulation.spec.sensor_range)
+
+
+def _rehearse_meetings(look: Look, max_range: float) -> None:
+    """What is only done where movers hide or pass each other."""
+    nobody = np.zeros(len(look.ranges), dtype=bool)
+    outline = outline_around(look, nobody, look.x, look.y, max_range)
+    left_over(outline, nobody[: len(outline.joined)])
+    misfit(outline, outline, 0.0, 0.0, max_range)
+    hidden_part(outline.points, look, max_range)

@@ -10,6 +10,7 @@ from math import atan2, hypot, pi, sqrt
 
 import numpy as np
 
+from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.disturbance import PERFECT, Disturbance
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.sensing.claims import claimed
@@ -225,7 +226,7 @@ class Perceiver:
 
 def _perceived(points: FloatArray, now: Look, track: Track | None) -> PerceivedObstacle:
     """An obstacle of these points (k, 2)."""
-    nearest = points[((points - (now.x, now.y)) ** 2).sum(axis=1).argmin()]
+    nearest = points[_nearest(points, now.x, now.y)]
     x, y = nearest.tolist()
     x, y = x - now.x, y - now.y
     distance = hypot(x, y)
@@ -252,3 +253,14 @@ def _perceived(points: FloatArray, now: Look, track: Track | None) -> PerceivedO
         turn_rate=track.turn_rate,
         closing_sigma=track.sigma_along(x / reach, y / reach),
     )
+
+
+@compiled
+def _nearest(points: FloatArray, x: float, y: float) -> int:
+    """Number of the point (k, 2) nearest to a place."""
+    found, smallest = 0, np.inf
+    for k in range(len(points)):
+        dx, dy = points[k, 0] - x, points[k, 1] - y
+        if dx * dx + dy * dy < smallest:
+            found, smallest = k, dx * dx + dy * dy
+    return found

@@ -39,6 +39,16 @@ SAME_MOVER_MISFIT = 0.006  # m by which one velocity may miss both outlines
 WHOLE = 0.6  # of the fullest outline that must be in sight for it to be the fullest one
 OUTLINE_TIME = 1.0  # s after which an outline, however full, is too old
 
+NOBODY = Expected(
+    np.empty((2, 0)),
+    np.empty(0, dtype=bool),
+    np.empty((2, 0)),
+    np.empty(0, dtype=np.intp),
+    np.empty((0, 2)),
+    np.empty((0, 2)),
+    np.empty(0),
+)
+
 Row = tuple[float, float, float, float]  # of a measurement: what it takes of each of the state
 
 
@@ -234,11 +244,7 @@ def expected_outlines(tracks: Sequence[Track], slack: float) -> Expected:
     """Where the tracks' outlines should be now, give or take `slack`, m, for the sensor's noise."""
     full = [track.fullest for track in tracks if track.fullest is not None]
     if not full:
-        nobody = np.empty((0, 2))
-        none = np.empty(0, dtype=np.intp)
-        return Expected(
-            nobody.T.copy(), none > 0, nobody.T.copy(), none, nobody, nobody, np.empty(0)
-        )
+        return NOBODY
     return Expected(
         points=np.concatenate([track.expected_outline for track in tracks], axis=1),
         joined=np.concatenate([outline.joined for outline in full]),
