@@ -82,11 +82,12 @@ def look_ahead(
     times = period_ends(spec)
     standing = around.sight.points @ to_robot.T
     wanted = settings.moving_margin + settings.moving_margin_growth * times
+    share = min(max(around.doubt / settings.doubtful, settings.unlikely_share), 1.0)
     movers = _Movers(
         expected=around.expected[:HORIZON].transpose(0, 2, 1) @ to_robot.T,
         possible=around.possible.transpose(0, 2, 1) @ to_robot.T,
         wanted=wanted,
-        unlikely=settings.unlikely_share * wanted,
+        unlikely=share * wanted,
         berth=settings.moving_gap
         + settings.moving_gap_growth * np.minimum(times, settings.moving_gap_time),
         contact=settings.contact_gap,

@@ -16,7 +16,8 @@ class DecisionSettings:
         static_weight: cost per metre missing of it.
         moving_margin: smallest gap kept to what moves, now ...
         moving_margin_growth: ... and per second of prediction.
-        unlikely_share: share of it that is kept to where movers may also be, but are not expected.
+        unlikely_share: share of it that is kept to where movers may be, but are not expected ...
+        doubtful: ... unless a speed is as uncertain as this, m/s: then all of it is kept.
         contact_gap: a smaller predicted gap counts as contact.
         moving_gap: gap to movers below which a candidate costs more, now ...
         moving_gap_growth: ... and per second of prediction, which grows ever less certain ...
@@ -43,7 +44,8 @@ class DecisionSettings:
     static_weight: float = 1.5
     moving_margin: float = 0.06
     moving_margin_growth: float = 0.03
-    unlikely_share: float = 0.6
+    unlikely_share: float = 0.4
+    doubtful: float = 0.05
     contact_gap: float = 0.01
     moving_gap: float = 0.13
     moving_gap_growth: float = 0.10

@@ -27,11 +27,13 @@ class Surroundings:
         expected: (OUTLOOK, 2, k) where points of what moves will be at the end of each period, as
             far as its motion can be foreseen ...
         possible: (HORIZON, 2, j) ... and where else they may be.
+        doubt: the largest uncertainty of a mover's speed towards the robot, m/s.
     """
 
     sight: Sight
     expected: FloatArray
     possible: FloatArray
+    doubt: float
 
 
 def surroundings(perception: Perception, pose: Pose2D, spec: RobotSpec) -> Surroundings:
@@ -59,6 +61,7 @@ def surroundings(perception: Perception, pose: Pose2D, spec: RobotSpec) -> Surro
         Sight(points, bearings, ranges, scan.max_range, hidden),
         np.concatenate(expected, axis=1).transpose(0, 2, 1),
         np.concatenate(possible, axis=1).transpose(0, 2, 1),
+        max((mover.closing_sigma for mover in movers), default=0.0),
     )
 
 

@@ -24,6 +24,7 @@ def outlook(
     standing: FloatArray | None = None,
     expected: FloatArray | None = None,
     possible: FloatArray | None = None,
+    doubt: float = 0.0,
 ) -> Outlook:
     """Among points that stand (k, 2), and points that stay where movers are and may be (k, 2)."""
     nothing = np.empty((0, 2))
@@ -32,6 +33,7 @@ def outlook(
         Sight(nothing if standing is None else standing, BEARINGS, np.full(180, 0.8), 0.8),
         np.tile(stays[0].T, (OUTLOOK, 1, 1)),
         np.tile(stays[1].T, (HORIZON, 1, 1)),
+        doubt,
     )
     return look_ahead(motions, around, ORIGIN, SPEC, SETTINGS)
 
@@ -71,6 +73,9 @@ def test_margins_to_movers_are_smaller_where_they_are_not_expected(share: float)
     assert outlook(motions, expected=beside).admissible[-1] == (share > 1.0)
     nearer = np.array([[0.0, SPEC.half_side + share * SETTINGS.unlikely_share * widest]])
     assert outlook(motions, possible=nearer).admissible[-1] == (share > 1.0)
+    # Where their speeds are hardly known, they may as well be there.
+    doubted = outlook(motions, possible=beside, doubt=SETTINGS.doubtful)
+    assert doubted.admissible[-1] == (share > 1.0)
 
 
 def test_movers_far_away_make_no_difference_and_near_ones_crowd() -> None:
