@@ -164,7 +164,11 @@ class Perceiver:
         self._looks.append((now, taken))
         self._unite(spans, tracks, hits)
         return tuple(
-            _perceived(hits.points[:, first:end].T, now, track if self._moves(track) else None)
+            _perceived(
+                np.ascontiguousarray(hits.points[:, first:end].T),
+                now,
+                track if self._moves(track) else None,
+            )
             for (first, end), track in zip(spans, tracks, strict=True)
         )
 
