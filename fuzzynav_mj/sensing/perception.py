@@ -28,7 +28,8 @@ from fuzzynav_mj.sensing.segmentation import (
     gather_hits,
     run_bounds,
 )
-from fuzzynav_mj.sensing.tracking import FORGET_AFTER, Beliefs, Track, expected_outlines
+from fuzzynav_mj.sensing.tracking import FORGET_AFTER, Track, expected_outlines
+from fuzzynav_mj.sensing.velocity_filter import Beliefs
 from fuzzynav_mj.sensing.visibility import visibility_matrix
 from fuzzynav_mj.types import (
     BoolArray,

@@ -1,39 +1,36 @@
-"""Velocities of moving obstacles: a filter over the looks.
+"""Tracks of moving obstacles over the looks.
 
-The state is velocity and acceleration. The acceleration is believed to fade within about a second,
-so a mover that turns is followed round its bend, and one that goes straight is not led astray.
-Each look's outline is held against the mover's own earlier ones.
+A track remembers a mover's last outlines, and the fullest of them, and carries them onward with its
+velocity; the filter in velocity_filter.py learns that velocity.
 """
 
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import exp, hypot, sqrt
-from typing import NamedTuple
+from math import hypot, sqrt
 
 import numpy as np
 
-from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.sensing.claims import Expected
 from fuzzynav_mj.sensing.looks import Look
-from fuzzynav_mj.sensing.outline import Outline, end_rates, in_one, left_over
-from fuzzynav_mj.sensing.registration import hold_against, misfit, strays
+from fuzzynav_mj.sensing.outline import Outline, in_one, left_over
+from fuzzynav_mj.sensing.registration import misfit, strays
+from fuzzynav_mj.sensing.velocity_filter import (
+    ACCELERATION_SIGMA,
+    LARGEST_REACH,
+    Beliefs,
+    carried_on,
+    taken_in,
+)
 from fuzzynav_mj.types import BoolArray, FloatArray
 
 FIRST_SPEED_SIGMA = 0.3  # m/s: what is believed of a mover before its motion is measured
-ACCELERATION_SIGMA = 0.6  # m/s2: how strongly movers are believed to change their velocity
-ACCELERATION_TIME = 1.0  # s: how long an acceleration is believed to last
-SPEED_NOISE = 0.03  # m/s per look: changes that the acceleration does not explain
 LARGEST_ACCELERATION = 1.2  # m/s2
 FORGET_AFTER = 8  # looks without a hit
 REMEMBERED = 2  # looks whose outlines are kept
-PASSES = 3  # rounds of fitting: each carries the earlier outlines on by the motion of the last
-REACH = 0.02  # m between an outline and an earlier one carried onward, besides ...
-LARGEST_REACH = 0.1  # ... what is uncertain of the motion, and at most
-CLAIM = 0.03  # m between a hit and the outline of a mover that claims it, besides the same
+CLAIM = 0.03  # m between a hit and a mover's outline that claims it, besides what is uncertain
 STRAY_REACH = 0.08  # m within which a hit is held against an outline that should explain it
 STRAY = 0.008  # m by which it may lie off
-END_OUTLIER = 2.0  # standard deviations at which an end of an outline counts half
 SAME_MOVER = 3.0  # squared standard deviations between velocities that may be one
 SAME_MOVER_MISFIT = 0.006  # m by which one velocity may miss both outlines
 WHOLE = 0.6  # of the fullest outline that must be in sight for it to be the fullest one
@@ -48,26 +45,6 @@ NOBODY = Expected(
     np.empty((0, 2)),
     np.empty(0),
 )
-
-Row = tuple[float, float, float, float]  # of a measurement: what it takes of each of the state
-
-
-class Beliefs(NamedTuple):
-    """How far measured speeds can be trusted.
-
-    Attributes:
-        flow_sigma: uncertainty of one hit's surface motion, m.
-        noise: standard deviation of the ranges, m.
-        independent_hits: hits on one obstacle beyond this number tell nothing new.
-        outlier: deviation from the obstacle's motion at which a hit counts half, m/s.
-        outline_sigma: uncertainty of the place of a visible outline's end, m.
-    """
-
-    flow_sigma: float
-    noise: float
-    independent_hits: float
-    outlier: float
-    outline_sigma: float
 
 
 @dataclass(slots=True, eq=False)
@@ -162,7 +139,7 @@ class Track:
         self.centre = self.centre + self.velocity * elapsed
         self.shift = self.shift + elapsed * self.velocity + elapsed**2 / 2 * self.state[2:]
         self.reach = min(self.reach + 2.0 * self.speed_sigma * elapsed, LARGEST_REACH)
-        self.state, self.covariance = _carried_on(self.state, self.covariance, elapsed)
+        self.state, self.covariance = carried_on(self.state, self.covariance, elapsed)
         self.missed += 1
 
     def take_in(self, outline: Outline, look: Look, beliefs: Beliefs) -> BoolArray:
@@ -181,7 +158,7 @@ class Track:
         elapsed, gone = 0.0, np.zeros(2)
         if self.outlines:
             oldest, newest = self.outlines[0], self.outlines[-1]
-            state, covariance = _taken_in(
+            state, covariance = taken_in(
                 self.state, self.covariance, outline, (oldest, newest), len(self.outlines), look,
                 beliefs,
             )  # fmt: skip
@@ -264,177 +241,3 @@ def _misses(track: Track, state: FloatArray) -> float:
     elapsed = now.stamp - before.stamp
     x, y = (elapsed * state[:2] - elapsed**2 / 2 * state[2:]).tolist()
     return misfit(now, before, x, y, STRAY_REACH)
-
-
-@compiled
-def _carried_on(
-    state: FloatArray, covariance: FloatArray, elapsed: float
-) -> tuple[FloatArray, FloatArray]:
-    """State (4,) and covariance (4, 4) some seconds later."""
-    fade = exp(-elapsed / ACCELERATION_TIME)
-    noise = ACCELERATION_SIGMA**2 * (1.0 - fade * fade)
-    state, covariance = state.copy(), covariance.copy()
-    # Each velocity gains what its acceleration brings, and that one fades: in the state, in the
-    # columns of the covariance, and in its rows.
-    for v, a in ((0, 2), (1, 3)):
-        state[v] += elapsed * state[a]
-        state[a] *= fade
-        for i in range(4):
-            covariance[i, v] += elapsed * covariance[i, a]
-            covariance[i, a] *= fade
-    for v, a in ((0, 2), (1, 3)):
-        for j in range(4):
-            covariance[v, j] += elapsed * covariance[a, j]
-            covariance[a, j] *= fade
-        covariance[v, v] += SPEED_NOISE**2
-        covariance[a, a] += noise
-    return state, covariance
-
-
-@compiled
-def _taken_in(
-    state: FloatArray,
-    covariance: FloatArray,
-    outline: Outline,
-    earlier: tuple[Outline, Outline],
-    count: int,
-    look: Look,
-    beliefs: Beliefs,
-) -> tuple[FloatArray, FloatArray]:
-    """State (4,) and covariance (4, 4) after a look; see `Track.take_in`.
-
-    The first `count` of the earlier outlines count, of whose ends the first one's.
-    """
-    prior = _inverse(covariance)
-    fit, doubt, posterior = state, covariance, covariance
-    for _ in range(PASSES):
-        information, evidence = prior.copy(), _times(prior, state)
-        for k in range(count):
-            _add_surface(information, evidence, fit, doubt, outline, earlier[k], beliefs)
-        _add_ends(information, evidence, fit, doubt, outline, earlier[0], look, beliefs)
-        posterior = _inverse(information)
-        fit, doubt = _times(posterior, evidence), np.zeros((4, 4))
-    return fit, posterior
-
-
-@compiled
-def _add_surface(
-    information: FloatArray,
-    evidence: FloatArray,
-    guess: FloatArray,
-    doubt: FloatArray,
-    outline: Outline,
-    before: Outline,
-    beliefs: Beliefs,
-) -> None:
-    """Adds the motion of an outline since an earlier one to the normal equations.
-
-    Hits that contradict what is believed count less: they may lie on another face, or another
-    obstacle.
-
-    Args:
-        information, evidence: (4, 4) and (4,) of the normal equations.
-        guess: (4,) state that the hits should not contradict.
-        doubt: (4, 4) its covariance.
-        outline, before: now and earlier.
-        beliefs: see `Track.take_in`.
-    """
-    elapsed = outline.stamp - before.stamp
-    if elapsed <= 0.0:
-        return
-    x = elapsed * guess[0] - elapsed**2 / 2 * guess[2]
-    y = elapsed * guess[1] - elapsed**2 / 2 * guess[3]
-    unsure = elapsed * sqrt(max(doubt[0, 0], doubt[1, 1]))
-    shift = hold_against(outline, before, x, y, min(REACH + 2.0 * unsure, LARGEST_REACH))
-    # Smoothing spreads one hit's noise over its neighbours, so all that the hits tell together
-    # is limited by the raw noise over their number.
-    crowd = max(1.0, shift.known.sum() / beliefs.independent_hits)
-    variance = beliefs.flow_sigma**2 * crowd + 2.0 * beliefs.noise**2
-    for i in range(len(shift.known)):
-        if shift.known[i]:
-            row = _row(shift.normals[0, i], shift.normals[1, i], elapsed)
-            spread = beliefs.outlier**2
-            doubted = variance + shift.blur[i] ** 2
-            rate = shift.distance[i] / elapsed
-            weight = elapsed**2 / doubted * _trust(row, rate, guess, doubt, spread)
-            _add(information, evidence, row, rate, weight)
-
-
-@compiled
-def _add_ends(
-    information: FloatArray,
-    evidence: FloatArray,
-    guess: FloatArray,
-    doubt: FloatArray,
-    outline: Outline,
-    before: Outline,
-    look: Look,
-    beliefs: Beliefs,
-) -> None:
-    """Adds the motion of an outline's ends; the arguments are those of `_add_surface`."""
-    elapsed = outline.stamp - before.stamp
-    across, rates = end_rates(outline.ends, before.ends, elapsed, look)
-    for end in range(2):
-        if not np.isnan(rates[end]):
-            row = _row(across[end, 0], across[end, 1], elapsed)
-            variance = (beliefs.outline_sigma / elapsed) ** 2
-            spread = END_OUTLIER**2 * variance
-            trust = _trust(row, rates[end], guess, doubt, spread)
-            _add(information, evidence, row, rates[end], trust / variance)
-
-
-@compiled
-def _trust(row: Row, value: float, guess: FloatArray, doubt: FloatArray, spread: float) -> float:
-    """Share that a measurement counts: half where it lies off the guess by the root of `spread`
-    and what the guess is doubted by."""
-    off = value
-    for a in range(4):
-        off -= row[a] * guess[a]
-        for b in range(4):
-            spread += row[a] * doubt[a, b] * row[b]
-    return 1.0 / (1.0 + off * off / spread)
-
-
-@compiled
-def _row(x: float, y: float, elapsed: float) -> Row:
-    """Measures the mean speed along (x, y) over the last `elapsed` seconds: the velocity now, less
-    what the acceleration added in half that time."""
-    return x, y, -x * elapsed / 2, -y * elapsed / 2
-
-
-@compiled
-def _add(
-    information: FloatArray, evidence: FloatArray, row: Row, value: float, weight: float
-) -> None:
-    """Adds one measurement to the normal equations."""
-    for a in range(4):
-        evidence[a] += weight * row[a] * value
-        for b in range(4):
-            information[a, b] += weight * row[a] * row[b]
-
-
-@compiled
-def _times(matrix: FloatArray, vector: FloatArray) -> FloatArray:
-    product = np.zeros(len(vector))
-    for i in range(len(vector)):
-        for j in range(len(vector)):
-            product[i] += matrix[i, j] * vector[j]
-    return product
-
-
-@compiled
-def _inverse(matrix: FloatArray) -> FloatArray:
-    """Of a symmetric positive definite matrix, whose pivots need no search."""
-    inverse, size = matrix.copy(), len(matrix)
-    for k in range(size):
-        pivot = inverse[k, k]
-        inverse[k, k] = 1.0
-        for j in range(size):
-            inverse[k, j] /= pivot
-        for i in range(size):
-            if i != k:
-                factor = inverse[i, k]
-                inverse[i, k] = 0.0
-                for j in range(size):
-                    inverse[i, j] -= factor * inverse[k, j]
-    return inverse

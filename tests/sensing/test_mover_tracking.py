@@ -10,12 +10,12 @@ from fuzzynav_mj.sensing.lidar import ray_bearings
 from fuzzynav_mj.sensing.looks import Look, take_look
 from fuzzynav_mj.sensing.outline import Outline
 from fuzzynav_mj.sensing.perception import Perceiver
-from fuzzynav_mj.sensing.tracking import (
+from fuzzynav_mj.sensing.tracking import Track
+from fuzzynav_mj.sensing.velocity_filter import (
     ACCELERATION_SIGMA,
     ACCELERATION_TIME,
     SPEED_NOISE,
     Beliefs,
-    Track,
 )
 from fuzzynav_mj.types import FloatArray, LaserScan, Pose2D
 
