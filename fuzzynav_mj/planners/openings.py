@@ -23,10 +23,10 @@ def promises(
     """Shortest way to the goal, m, by ground that a ray sees free and no straight way reaches; and
     by the ways that there are. Each inf where there is none."""
     promised = have = inf
-    jump, _ = range_jumps(ranges, width)
+    free = _sees_on(ranges, max_range, width)
     for i in range(len(ranges)):
         have = min(have, length[i] + hypot(end[i, 0] - goal[0], end[i, 1] - goal[1]))
-        if not is_open[i] and (jump[i] or ranges[i] >= max_range - 1e-9):
+        if not is_open[i] and free[i]:
             x, y = max_range * cos(bearings[i]), max_range * sin(bearings[i])
             promised = min(promised, max_range + hypot(x - goal[0], y - goal[1]))
     return promised, have
@@ -130,11 +130,20 @@ def unreached_rays(
         is_open: (n,) where straight ways lead on.
     """
     count, seen = len(ranges), -1
-    jump, _ = range_jumps(ranges, width)
+    free = _sees_on(ranges, max_range, width)
     for k in range(count):
         ray = (beside + side * k) % count
         if is_open[ray]:
             return k - seen if seen >= 0 else 0
-        if seen < 0 and (jump[ray] or ranges[ray] >= max_range - 1e-9):
+        if seen < 0 and free[ray]:
             seen = k
     return count if seen >= 0 else 0
+
+
+@compiled
+def _sees_on(ranges: FloatArray, max_range: float, width: float) -> BoolArray:
+    """(n,) True for rays on which ground leads on: past an obstacle's end, or to the edge of
+    sight."""
+    jump, _ = range_jumps(ranges, width)
+    sees: BoolArray = jump | (ranges >= max_range - 1e-9)
+    return sees

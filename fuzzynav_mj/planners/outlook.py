@@ -150,8 +150,6 @@ def _prospects(
         half_side: of the footprint, m.
     """
     count, periods = poses.shape[:2]
-    rays_per_radian = len(ranges) / (2 * pi)
-    surely_seen = ranges.min() ** 2
     found = Outlook(
         poses.copy(),
         np.full(count, FAR),
@@ -163,48 +161,95 @@ def _prospects(
         np.full(count, FAR),
         np.empty(count, dtype=np.bool_),
     )
-    sofar, c, s = np.empty(periods), np.empty(periods), np.empty(periods)
+    c, s, gaps = np.empty(periods), np.empty(periods), np.empty(periods)
+    surely_seen = ranges.min() ** 2
     for i in range(count):
-        stop, likely, smallest = periods - 1, 0, FAR
-        for j in range(periods):
-            x, y = poses[i, j, 0], poses[i, j, 1]
-            c[j], s[j] = cos(poses[i, j, 2]), sin(poses[i, j, 2])
-            gap, likely = nearest_gap(x, y, c[j], s[j], standing, likely, half_side)
-            if j < SOON:
-                found.soon[i] = min(found.soon[i], gap)
-            smallest = min(smallest, gap)
-            sofar[j] = smallest
-            if stop < periods - 1 or not found.static_ok[i]:
-                if j + 1 >= SOON:
-                    break
-                continue
+        stop = _stop_in_time(
+            found, i, c, s, gaps, standing, margins, ranges, surely_seen, turn, brake_steps[i],
+            slowing, half_side,
+        )  # fmt: skip
+        found.poses[i, stop + 1 :] = poses[i, stop]
+        _meet_movers(found, i, c, s, stop, movers, half_side)
+    return found
+
+
+@compiled
+def _stop_in_time(
+    found: Outlook,
+    i: int,
+    c: FloatArray,
+    s: FloatArray,
+    gaps: FloatArray,
+    standing: FloatArray,
+    margins: FloatArray,
+    ranges: FloatArray,
+    surely_seen: float,
+    turn: float,
+    brake_steps: int,
+    slowing: float,
+    half_side: float,
+) -> int:
+    """Rolls candidate `i` on until just before what stands or is unseen; returns the period after
+    which it stops, and fills in `static`, `static_ok` and `soon`.
+
+    Args:
+        found: the prospects, `poses` still without a stop.
+        c, s, gaps: (T,) to be filled with cosines and sines of the candidate's yaws, and with its
+            smallest gap up to each period, up to where it stops.
+        surely_seen: squared distance up to which all is seen, m2.
+        standing, margins, ranges, turn, slowing, half_side: as in `_prospects`.
+        brake_steps: the candidate's.
+    """
+    periods = len(c)
+    stop, likely, smallest, blocked = periods - 1, 0, FAR, False
+    for j in range(periods):
+        x, y, yaw = found.poses[i, j]
+        c[j], s[j] = cos(yaw), sin(yaw)
+        gap, likely = nearest_gap(x, y, c[j], s[j], standing, likely, half_side)
+        smallest = min(smallest, gap)
+        gaps[j] = smallest
+        if j < SOON:
+            found.soon[i] = smallest
+        if not blocked:
             blocked = gap < margins[i, j]
             if not blocked and x * x + y * y > surely_seen:
-                ray = round((atan2(y, x) + turn) * rays_per_radian) % len(ranges)
+                ray = round((atan2(y, x) + turn) * (len(ranges) / (2 * pi))) % len(ranges)
                 blocked = x * x + y * y > ranges[ray] ** 2
             if blocked:
-                before = poses[i, j - 1, 2] if j > 0 else 0.0
-                spin_steps = ceil(abs(poses[i, j, 2] - before) / slowing - 1e-3)
-                last = j - 1 - max(brake_steps[i], spin_steps)
+                before = found.poses[i, j - 1, 2] if j > 0 else 0.0
+                spin_steps = ceil(abs(yaw - before) / slowing - 1e-3)
+                last = j - 1 - max(brake_steps, spin_steps)
                 found.static_ok[i] = last >= 0
                 stop = max(last, 0)
-                if j + 1 >= SOON:
-                    break
-        found.static[i] = sofar[stop]
-        found.poses[i, stop + 1 :] = poses[i, stop]
-        kept = True
-        near, other = 0, 0
-        for j in range(periods):
-            k = min(j, stop)
-            x, y = poses[i, k, 0], poses[i, k, 1]
-            gap, near = nearest_gap(x, y, c[k], s[k], movers.expected[j], near, half_side)
-            swerved, other = nearest_gap(x, y, c[k], s[k], movers.possible[j], other, half_side)
-            kept = kept and gap >= movers.wanted[j] and swerved >= movers.unlikely[j]
-            if gap < movers.contact:
-                found.contact_step[i] = min(found.contact_step[i], j)
-            found.expected[i] = min(found.expected[i], gap)
-            found.moving[i] = min(found.moving[i], gap, swerved)
-            if j < JUDGED:
-                found.crowding[i] = max(found.crowding[i], movers.berth[j] - min(gap, swerved))
-        found.admissible[i] = found.static_ok[i] and kept
-    return found
+        if blocked and j + 1 >= SOON:
+            break
+    found.static[i] = gaps[stop]
+    return stop
+
+
+@compiled
+def _meet_movers(
+    found: Outlook,
+    i: int,
+    c: FloatArray,
+    s: FloatArray,
+    stop: int,
+    movers: _Movers,
+    half_side: float,
+) -> None:
+    """Holds candidate `i`, which stops after the period `stop`, against what moves; fills in
+    `moving`, `expected`, `crowding`, `contact_step` and `admissible`."""
+    kept, near, other = found.static_ok[i], 0, 0
+    for j in range(len(c)):
+        k = min(j, stop)
+        x, y = found.poses[i, k, 0], found.poses[i, k, 1]
+        gap, near = nearest_gap(x, y, c[k], s[k], movers.expected[j], near, half_side)
+        swerved, other = nearest_gap(x, y, c[k], s[k], movers.possible[j], other, half_side)
+        kept = kept and gap >= movers.wanted[j] and swerved >= movers.unlikely[j]
+        if gap < movers.contact:
+            found.contact_step[i] = min(found.contact_step[i], j)
+        found.expected[i] = min(found.expected[i], gap)
+        found.moving[i] = min(found.moving[i], gap, swerved)
+        if j < JUDGED:
+            found.crowding[i] = max(found.crowding[i], movers.berth[j] - min(gap, swerved))
+    found.admissible[i] = kept

@@ -6,13 +6,13 @@ the signed distance to it, along the outline's normal, is the surface's motion.
 """
 
 from collections.abc import Sequence
-from math import atan2, cos, hypot, pi, sin
+from math import atan2, cos, hypot, sin
 from typing import NamedTuple
 
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
-from fuzzynav_mj.sensing.looks import SAME_FACE, Look
+from fuzzynav_mj.sensing.looks import SAME_FACE, Look, ray_number
 from fuzzynav_mj.sensing.segmentation import MOVING, STATIC, UNKNOWN, Hits
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
@@ -108,7 +108,7 @@ def _compare(
         dx, dy = x - before.x, y - before.y
         forward, left = c * dx + s * dy, c * dy - s * dx
         distance = hypot(forward, left)
-        ray = int((atan2(left, forward) + pi) * (count / (2 * pi))) % count
+        ray = int(ray_number(atan2(left, forward), count)) % count
         nx, ny = before.normals[0, ray], before.normals[1, ray]
         surface_x, surface_y = before.points[0, ray], before.points[1, ray]
         moved = (x - surface_x) * nx + (y - surface_y) * ny
@@ -153,7 +153,7 @@ def _faces_along(nx: float, ny: float, ray: int, look: Look) -> bool:
 def _depth_behind(x: float, y: float, look: Look) -> float:
     """How much farther than a point the look's rays reach beside it, m."""
     count, dx, dy = len(look.ranges), x - look.x, y - look.y
-    ray = int((atan2(dy, dx) - look.yaw + pi) * (count / (2 * pi)))
+    ray = int(ray_number(atan2(dy, dx) - look.yaw, count))
     reach: float = min(look.ranges[ray % count], look.ranges[(ray + 1) % count])
     return reach - hypot(dx, dy)
 

@@ -1,11 +1,11 @@
 """The part of a known mover that something nearer hides."""
 
-from math import atan2, hypot, pi
+from math import atan2, hypot
 
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
-from fuzzynav_mj.sensing.looks import Look
+from fuzzynav_mj.sensing.looks import Look, ray_number
 from fuzzynav_mj.types import FloatArray
 
 IN_FRONT = 0.03  # m: what hides a point is nearer by as much
@@ -23,7 +23,7 @@ def hidden_part(points: FloatArray, look: Look, max_range: float) -> tuple[Float
         distance = hypot(dx, dy)
         if distance >= max_range:
             continue
-        ray = int((atan2(dy, dx) - look.yaw + pi) * (rays / (2 * pi)) + 0.5) % rays
+        ray = int(ray_number(atan2(dy, dx) - look.yaw, rays) + 0.5) % rays
         if look.ranges[ray] < distance - IN_FRONT:
             found[count, 0], found[count, 1] = points[0, i], points[1, i]
             count += 1

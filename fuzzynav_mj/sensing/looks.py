@@ -51,6 +51,12 @@ def take_clean_look(clean: CleanScan, pose: Pose2D) -> Look:
 
 
 @compiled
+def ray_number(bearing: float, count: int) -> float:
+    """Where between the rays, `count` all around, a bearing in the robot frame lies."""
+    return (bearing + pi) * (count / (2 * pi))
+
+
+@compiled
 def _look(
     stamp: float,
     x: float,

@@ -35,23 +35,16 @@ class Outline(NamedTuple):
 @compiled
 def outline_of(hits: Hits, chosen: IntArray, look: Look) -> Outline:
     """The outline of the chosen hits (k,), k > 0."""
-    count, rays = len(chosen), len(look.ranges)
-    points, normals = np.empty((2, count)), np.empty((2, count))
-    joined, ends = np.zeros(count, dtype=np.bool_), np.full((2, 2), np.nan)
-    for k in range(count):
-        ray = hits.rays[chosen[k]]
-        points[0, k], points[1, k] = look.points[0, ray], look.points[1, ray]
-        normals[0, k], normals[1, k] = look.normals[0, ray], look.normals[1, ray]
-        if k + 1 < count:
-            joined[k] = look.joined[ray] and hits.rays[chosen[k + 1]] == (ray + 1) % rays
-    for end, k, step in ((0, 0, -1), (1, count - 1, 1)):
-        ray = hits.rays[chosen[k]]
+    drawn = hits.rays[chosen]
+    ends, rays = np.full((2, 2), np.nan), len(look.ranges)
+    for end, k, step in ((0, 0, -1), (1, len(drawn) - 1, 1)):
+        ray = drawn[k]
         beside = (ray + step) % rays
         # Where nothing was hit beside it, the obstacle may go on just out of range.
         depth = END_DEPTH if look.hit[beside] else RANGE_END_DEPTH
         if look.ranges[beside] >= look.ranges[ray] + depth:
-            ends[end, 0], ends[end, 1] = points[0, k], points[1, k]
-    return Outline(look.stamp, points, joined, normals, ends)
+            ends[end, 0], ends[end, 1] = look.points[0, ray], look.points[1, ray]
+    return _drawn(look.stamp, look.points, look.joined, look.normals, drawn, ends)
 
 
 @compiled
@@ -60,38 +53,44 @@ def outline_around(look: Look, taken: BoolArray, x: float, y: float, reach: floa
 
     Of its ends nothing is known.
     """
-    rays, count = np.empty(len(look.ranges), dtype=np.intp), 0
-    for ray in range(len(look.ranges)):
-        near = hypot(look.points[0, ray] - x, look.points[1, ray] - y) < reach
-        if look.hit[ray] and near and not taken[ray]:
-            rays[count] = ray
-            count += 1
-    points, normals = np.empty((2, count)), np.empty((2, count))
-    joined = np.zeros(count, dtype=np.bool_)
-    for k in range(count):
-        ray = rays[k]
-        points[0, k], points[1, k] = look.points[0, ray], look.points[1, ray]
-        normals[0, k], normals[1, k] = look.normals[0, ray], look.normals[1, ray]
-        joined[k] = k + 1 < count and look.joined[ray] and rays[k + 1] == ray + 1
-    return Outline(look.stamp, points, joined, normals, np.full((2, 2), np.nan))
+    wanted = look.hit & ~taken
+    for ray in range(len(wanted)):
+        if hypot(look.points[0, ray] - x, look.points[1, ray] - y) >= reach:
+            wanted[ray] = False
+    rays, unknown = wanted.nonzero()[0], np.full((2, 2), np.nan)
+    return _drawn(look.stamp, look.points, look.joined, look.normals, rays, unknown)
 
 
 @compiled
 def left_over(outline: Outline, gone: BoolArray) -> Outline:
     """The outline without the hits that are `gone` (k,)."""
-    kept = (~gone).nonzero()[0]
-    count = len(kept)
-    points, normals = np.empty((2, count)), np.empty((2, count))
-    joined, ends = np.zeros(count, dtype=np.bool_), outline.ends.copy()
+    kept, ends = (~gone).nonzero()[0], outline.ends.copy()
+    for end, k in ((0, 0), (1, len(gone) - 1)):
+        if gone[k]:
+            ends[end] = np.nan
+    return _drawn(outline.stamp, outline.points, outline.joined, outline.normals, kept, ends)
+
+
+@compiled
+def _drawn(
+    stamp: float,
+    points: FloatArray,
+    joined: BoolArray,
+    normals: FloatArray,
+    kept: IntArray,
+    ends: FloatArray,
+) -> Outline:
+    """The outline of those of n points (2, n) that are kept (k,); the arguments are its fields."""
+    count, size = len(kept), points.shape[1]
+    outline = Outline(
+        stamp, np.empty((2, count)), np.zeros(count, dtype=np.bool_), np.empty((2, count)), ends
+    )
     for k in range(count):
         i = kept[k]
-        points[0, k], points[1, k] = outline.points[0, i], outline.points[1, i]
-        normals[0, k], normals[1, k] = outline.normals[0, i], outline.normals[1, i]
-        joined[k] = k + 1 < count and outline.joined[i] and kept[k + 1] == i + 1
-    for end, i in ((0, 0), (1, len(gone) - 1)):
-        if gone[i]:
-            ends[end] = np.nan
-    return Outline(outline.stamp, points, joined, normals, ends)
+        outline.points[0, k], outline.points[1, k] = points[0, i], points[1, i]
+        outline.normals[0, k], outline.normals[1, k] = normals[0, i], normals[1, i]
+        outline.joined[k] = k + 1 < count and joined[i] and kept[k + 1] == (i + 1) % size
+    return outline
 
 
 def in_one(first: Outline, second: Outline) -> Outline:

@@ -107,6 +107,13 @@ def _bend(outline: Outline, piece: int, nx: float, ny: float) -> float:
 
 
 @compiled
+def _left(shift: Shift, i: int, x: float, y: float) -> float:
+    """How far hit `i` lies off the outline carried onward by (x, y), m."""
+    off: float = shift.distance[i] - x * shift.normals[0, i] - y * shift.normals[1, i]
+    return abs(off)
+
+
+@compiled
 def strays(
     now: Outline, before: Outline, x: float, y: float, reach: float, tolerance: float
 ) -> BoolArray:
@@ -126,8 +133,7 @@ def strays(
     off = np.zeros(count, dtype=np.bool_)
     for i in range(count):
         if shift.known[i]:
-            left = shift.distance[i] - x * shift.normals[0, i] - y * shift.normals[1, i]
-            off[i] = abs(left) > tolerance + 2.0 * shift.blur[i]
+            off[i] = _left(shift, i, x, y) > tolerance + 2.0 * shift.blur[i]
     first = 0
     for i in range(count + 1):
         if i < count and off[i]:
@@ -146,8 +152,7 @@ def misfit(now: Outline, before: Outline, x: float, y: float, reach: float) -> f
     total = 0.0
     for i in range(len(shift.known)):
         if shift.known[i]:
-            left = shift.distance[i] - x * shift.normals[0, i] - y * shift.normals[1, i]
-            total += abs(left)
+            total += _left(shift, i, x, y)
     count = shift.known.sum()
     mean: float = total / count if count >= FEWEST_STRAYS else np.inf
     return mean

@@ -7,7 +7,7 @@ velocity; the filter in velocity_filter.py learns that velocity.
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import hypot, sqrt
+from math import hypot, inf, sqrt
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from fuzzynav_mj.sensing.velocity_filter import (
     LARGEST_REACH,
     Beliefs,
     carried_on,
+    gone_since,
     taken_in,
 )
 from fuzzynav_mj.types import BoolArray, FloatArray
@@ -36,6 +37,9 @@ SAME_MOVER_MISFIT = 0.006  # m by which one velocity may miss both outlines
 WHOLE = 0.6  # of the fullest outline that must be in sight for it to be the fullest one
 OUTLINE_TIME = 1.0  # s after which an outline, however full, is too old
 
+NOTHING = Outline(
+    -inf, np.empty((2, 0)), np.empty(0, dtype=bool), np.empty((2, 0)), np.full((2, 2), np.nan)
+)
 NOBODY = Expected(
     np.empty((2, 0)),
     np.empty(0, dtype=bool),
@@ -68,7 +72,7 @@ class Track:
     state: FloatArray
     covariance: FloatArray
     outlines: deque[Outline]
-    fullest: Outline | None = None
+    fullest: Outline = NOTHING
     shift: FloatArray = field(default_factory=lambda: np.zeros(2))
     known_shift: FloatArray = field(default_factory=lambda: np.zeros(2))
     reach: float = CLAIM
@@ -131,7 +135,6 @@ class Track:
     @property
     def expected_outline(self) -> FloatArray:
         """(2, k) the fullest outline where it should be now, world frame, m."""
-        assert self.fullest is not None
         return self.fullest.points + self.shift[:, None]
 
     def predict(self, elapsed: float) -> None:
@@ -155,19 +158,17 @@ class Track:
             explains hardly any, nothing is learnt.
         """
         others = np.zeros(len(outline.joined), dtype=bool)
-        elapsed, gone = 0.0, np.zeros(2)
+        gone = 0.0, 0.0
         if self.outlines:
             oldest, newest = self.outlines[0], self.outlines[-1]
             state, covariance = taken_in(
                 self.state, self.covariance, outline, (oldest, newest), len(self.outlines), look,
                 beliefs,
             )  # fmt: skip
-            elapsed = outline.stamp - newest.stamp
-            gone = elapsed * state[:2] - elapsed**2 / 2 * state[2:]
+            gone = gone_since(state, outline.stamp - newest.stamp)
             if self.seen > 0:
                 tolerance = STRAY + 6.0 * beliefs.noise
-                x, y = gone.tolist()
-                others = strays(outline, newest, x, y, STRAY_REACH, tolerance)
+                others = strays(outline, newest, *gone, STRAY_REACH, tolerance)
                 explained = len(others) - int(others.sum())
                 if explained < max(len(others) / 2, 2.0):
                     return np.ones(len(others), dtype=bool)
@@ -177,9 +178,9 @@ class Track:
         self.known_shift = self.shift = self.known_shift + gone
         self.centre = outline.points.mean(axis=1)
         self.outlines.append(outline)
-        if self.fullest is None or self._is_fuller(outline):
-            self.fullest, self.known_shift = outline, np.zeros(2)
-            self.shift = self.known_shift
+        if self._is_fuller(outline):
+            self.fullest = outline
+            self.shift = self.known_shift = np.zeros(2)
         self.seen, self.missed, self.reach = self.seen + 1, 0, CLAIM
         return others
 
@@ -212,16 +213,15 @@ class Track:
         return covariance @ (mine @ self.state + theirs @ other.state), covariance
 
     def _is_fuller(self, outline: Outline) -> bool:
-        assert self.fullest is not None
         old = outline.stamp - self.fullest.stamp > OUTLINE_TIME
         return old or len(outline.joined) >= WHOLE * len(self.fullest.joined)
 
 
 def expected_outlines(tracks: Sequence[Track], slack: float) -> Expected:
     """Where the tracks' outlines should be now, give or take `slack`, m, for the sensor's noise."""
-    full = [track.fullest for track in tracks if track.fullest is not None]
-    if not full:
+    if not tracks:
         return NOBODY
+    full = [track.fullest for track in tracks]
     return Expected(
         points=np.concatenate([track.expected_outline for track in tracks], axis=1),
         joined=np.concatenate([outline.joined for outline in full]),
@@ -236,8 +236,7 @@ def expected_outlines(tracks: Sequence[Track], slack: float) -> Expected:
 def _misses(track: Track, state: FloatArray) -> float:
     """By how much a motion misses the last outline of a track, m; inf if that cannot be told."""
     if len(track.outlines) < 2:
-        return float("inf")
+        return inf
     now, before = track.outlines[-1], track.outlines[-2]
-    elapsed = now.stamp - before.stamp
-    x, y = (elapsed * state[:2] - elapsed**2 / 2 * state[2:]).tolist()
-    return misfit(now, before, x, y, STRAY_REACH)
+    gone = gone_since(state, now.stamp - before.stamp)
+    return misfit(now, before, *gone, STRAY_REACH)

@@ -46,6 +46,13 @@ class Beliefs(NamedTuple):
 
 
 @compiled
+def gone_since(state: FloatArray, elapsed: float) -> tuple[float, float]:
+    """How far a mover of this state (4,) has gone in the last `elapsed` seconds, m."""
+    fading = elapsed**2 / 2
+    return elapsed * state[0] - fading * state[2], elapsed * state[1] - fading * state[3]
+
+
+@compiled
 def carried_on(
     state: FloatArray, covariance: FloatArray, elapsed: float
 ) -> tuple[FloatArray, FloatArray]:
@@ -121,8 +128,7 @@ def _add_surface(
     elapsed = outline.stamp - before.stamp
     if elapsed <= 0.0:
         return
-    x = elapsed * guess[0] - elapsed**2 / 2 * guess[2]
-    y = elapsed * guess[1] - elapsed**2 / 2 * guess[3]
+    x, y = gone_since(guess, elapsed)
     unsure = elapsed * sqrt(max(doubt[0, 0], doubt[1, 1]))
     shift = hold_against(outline, before, x, y, min(REACH + 2.0 * unsure, LARGEST_REACH))
     # Smoothing spreads one hit's noise over its neighbours, so all that the hits tell together

@@ -5,7 +5,7 @@ from math import atan2, cos, hypot, pi, sin
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
-from fuzzynav_mj.sensing.looks import Look
+from fuzzynav_mj.sensing.looks import Look, ray_number
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray, VisibilityMatrix
 
 
@@ -52,6 +52,6 @@ def _ranges_from(look: Look, x: float, y: float, yaw: float) -> FloatArray:
     for i in look.hit.nonzero()[0]:
         dx, dy = look.points[0, i] - x, look.points[1, i] - y
         forward, left = c * dx + s * dy, c * dy - s * dx
-        ray = round((atan2(left, forward) + pi) * (count / (2 * pi))) % count
+        ray = round(ray_number(atan2(left, forward), count)) % count
         ranges[ray] = min(ranges[ray], hypot(forward, left))
     return ranges
