@@ -79,6 +79,7 @@ class PerceivedObstacle:
         velocity: (2,) m/s in the world frame; zero for a static obstacle.
         turn_rate: rate at which the velocity turns, rad/s, counter-clockwise positive.
         closing_sigma: uncertainty (one sigma) of the speed towards the robot, m/s.
+        drift_sigma: the same across the direction that it moves in, where the ranges are noisy.
     """
 
     points: FloatArray
@@ -90,6 +91,7 @@ class PerceivedObstacle:
     velocity: FloatArray
     turn_rate: float = 0.0
     closing_sigma: float = 0.0
+    drift_sigma: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

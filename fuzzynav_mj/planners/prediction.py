@@ -3,7 +3,8 @@
 A mover may keep turning as it turns now, turn more to either side, or go straight on; a candidate
 must stay clear of all of these. How far one can swerve within the time that the robot needs to
 react is what counts: later the robot will have looked and decided again. A mover whose speed
-towards the robot is still uncertain is also thought of as coming faster.
+towards the robot is still uncertain is also thought of as coming faster, and one whose direction
+noise makes uncertain as going astray to either side.
 """
 
 from math import cos, hypot, sin
@@ -18,6 +19,9 @@ SWERVE_TIME = 0.8  # s: for so long
 TURNING = 0.3  # rad/s: a slower turn is as good as straight
 UNCERTAIN = 0.12  # m/s: a smaller uncertainty of the closing speed is not worth a thought
 LARGEST_SURPRISE = 0.5  # m/s
+STEADY = 0.03  # m/s: a smaller uncertainty of the sideways speed is not worth a thought; of what
+DRIFTS = 3.0  # is beyond, so many standard deviations count, but of no more than ...
+LARGEST_DRIFT = 0.1  # m/s: ... this
 
 
 def displacements(obstacle: PerceivedObstacle, place: FloatArray, times: FloatArray) -> FloatArray:
@@ -31,7 +35,8 @@ def displacements(obstacle: PerceivedObstacle, place: FloatArray, times: FloatAr
     """
     vx, vy = obstacle.velocity.tolist()
     x, y = (place - obstacle.nearest_point).tolist()
-    return _displacements(vx, vy, obstacle.turn_rate, obstacle.closing_sigma, x, y, times)
+    drift = DRIFTS * min(max(obstacle.drift_sigma - STEADY, 0.0), LARGEST_DRIFT)
+    return _displacements(vx, vy, obstacle.turn_rate, obstacle.closing_sigma, drift, x, y, times)
 
 
 @compiled
@@ -40,11 +45,13 @@ def _displacements(
     vy: float,
     turn_rate: float,
     closing_sigma: float,
+    drift: float,
     x: float,
     y: float,
     times: FloatArray,
 ) -> FloatArray:
-    """See `displacements`; the robot is at (x, y) from the mover's nearest point."""
+    """See `displacements`; the robot is at (x, y) from the mover's nearest point, m, and the mover
+    may go astray to the sides at the speed `drift`, m/s."""
     turns, surprises = abs(turn_rate) > TURNING, closing_sigma > UNCERTAIN
     ways = np.empty((3 + turns + surprises, len(times), 2))
     speed, distance = max(hypot(vx, vy), 1e-9), max(hypot(x, y), 1e-9)
@@ -61,7 +68,7 @@ def _displacements(
         if turns:
             ways[way, k] = t * vx, t * vy
             way += 1
-        aside = 0.5 * SWERVE * min(t, SWERVE_TIME) ** 2 if t <= SWERVE_TIME + 1e-9 else 0.0
+        aside = 0.5 * SWERVE * t * t + drift * t if t <= SWERVE_TIME + 1e-9 else 0.0
         for side in (1.0, -1.0):
             swerve = side * aside / speed
             ways[way, k] = forth_x - swerve * vy, forth_y + swerve * vx

@@ -116,4 +116,5 @@ def _stopped(obstacle: PerceivedObstacle) -> PerceivedObstacle:
         velocity=np.zeros(2),
         turn_rate=0.0,
         closing_sigma=0.0,
+        drift_sigma=0.0,
     )

@@ -13,9 +13,9 @@ import numpy as np
 from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.types import BoolArray, FloatArray, LaserScan
 
-STRETCHES = (4, 6, 8, 12, 16, 24, 36)  # rays, first to last
+STRETCHES = (3, 4, 6, 8, 12, 16, 24, 36)  # rays, first to last
 PLACES = 4  # a hit lies at one of so many parts of its stretch, or at its end
-FEWEST = 4  # hits on a stretch
+FEWEST = 3  # hits on a stretch
 MISFIT = 2.0  # standard deviations of the sum of squares around what the noise explains
 BEND = 2.0  # standard deviations by which the middle may stand out from the line
 JUMP = 0.10  # m: neighbouring hits farther apart in range, noise aside, end a stretch

@@ -117,6 +117,7 @@ def _compare(
         known = (
             flow.elapsed[row] > 0.0
             and before.joined[ray]
+            and before.straight[ray]
             and abs(moved) <= reach + 2.0 * sigma
             and distance < max_range
             # Beside a corner that moved, the hit may lie on another face than the one seen there
@@ -144,8 +145,10 @@ def _incidence(x: float, y: float, nx: float, ny: float) -> float:
 def _faces_along(nx: float, ny: float, ray: int, look: Look) -> bool:
     """True where the surface on either side of a ray's hit has the given normal."""
     for k in (ray, ray - 1):
-        if look.joined[k] and look.normals[0, k] * nx + look.normals[1, k] * ny > SAME_FACE:
-            return True
+        if look.joined[k] and look.straight[k]:
+            along = look.normals[0, k] * nx + look.normals[1, k] * ny
+            if along > SAME_FACE:
+                return True
     return False
 
 

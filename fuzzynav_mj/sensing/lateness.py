@@ -19,8 +19,8 @@ from fuzzynav_mj.types import (
 def brought_up(perception: Perception, pose: Pose2D, age: float) -> Perception:
     """The same obstacles some time later.
 
-    What moves has gone on as it did. The scan is what the sensor would show of all obstacles from
-    the present pose: rays that meet none of them count as free, as in any scan.
+    What moves has gone on, and turned, as it did. The scan is what the sensor would show of all
+    obstacles from the present pose: rays that meet none of them count as free, as in any scan.
 
     Args:
         perception: as the scan showed it.
@@ -33,11 +33,13 @@ def brought_up(perception: Perception, pose: Pose2D, age: float) -> Perception:
 
 
 def _later(obstacle: PerceivedObstacle, pose: Pose2D, age: float) -> PerceivedObstacle:
-    points = obstacle.points + age * obstacle.velocity
+    vx, vy = obstacle.velocity.tolist()
+    mean_x, mean_y = _turned(vx, vy, obstacle.turn_rate * age / 2)
+    points = obstacle.points + age * np.array([mean_x, mean_y])
+    vx, vy = _turned(vx, vy, obstacle.turn_rate * age)
     x, y = points[:, 0] - pose.x, points[:, 1] - pose.y
     nearest = int((x * x + y * y).argmin())
     dx, dy = float(x[nearest]), float(y[nearest])
-    vx, vy = obstacle.velocity.tolist()
     return replace(
         obstacle,
         points=points,
@@ -45,7 +47,13 @@ def _later(obstacle: PerceivedObstacle, pose: Pose2D, age: float) -> PerceivedOb
         distance=hypot(dx, dy),
         bearing=(atan2(dy, dx) - pose.yaw + pi) % (2 * pi) - pi,
         approaching=obstacle.dynamic and vx * dx + vy * dy < 0.0,
+        velocity=np.array([vx, vy]),
     )
+
+
+def _turned(x: float, y: float, angle: float) -> tuple[float, float]:
+    c, s = cos(angle), sin(angle)
+    return c * x - s * y, s * x + c * y
 
 
 def _scan_from(

@@ -11,6 +11,8 @@ from fuzzynav_mj.types import BoolArray, FloatArray, LaserScan, Pose2D
 
 SAME_FACE = 0.97  # cosine of the largest angle between normals of what is taken as one face
 SAME_LINE = 0.995  # cosine of the largest angle between normals of hits on one straight surface
+ROUGH_REACH = 2  # hits to each side that a rough normal is drawn over, and ...
+ROUGH = 5.0  # ... standard deviations of noise by which they must be apart
 
 
 class Look(NamedTuple):
@@ -23,8 +25,10 @@ class Look(NamedTuple):
         hit: (n,) True where something was hit.
         points: (2, n) x and y of the rays' end points, world frame; hits only where `hit`.
         joined: (n,) True where ray i and ray i + 1 (cyclic) hit one continuous surface.
-        normals: (2, n) unit normal of that surface between the two hits, towards the sensor.
+        normals: (2, n) unit normal of that surface between the two hits, towards the sensor; zero
+            where noise leaves it unknown.
         sigma: (n,) uncertainty of the ranges, m; zero where they are exact.
+        straight: (n,) True where the surface is known to be straight there, and its normal with it.
     """
 
     stamp: float
@@ -37,6 +41,7 @@ class Look(NamedTuple):
     joined: BoolArray
     normals: FloatArray
     sigma: FloatArray
+    straight: BoolArray
 
 
 def take_look(scan: LaserScan, pose: Pose2D) -> Look:
@@ -102,35 +107,59 @@ def _look(
     for i in range(count):
         points[0, i] += x
         points[1, i] += y
-    return Look(stamp, x, y, yaw, ranges, hit, points, joined, normals, np.zeros(count))
+    sigma, straight = np.zeros(count), np.full(count, True)
+    return Look(stamp, x, y, yaw, ranges, hit, points, joined, normals, sigma, straight)
 
 
 @compiled
-def _smooth_look(look: Look, sigma: FloatArray, straight: FloatArray) -> Look:
+def _smooth_look(look: Look, sigma: FloatArray, lines: FloatArray) -> Look:
     """The look of smoothed ranges.
 
     Args:
         look: as if they were exact.
         sigma: (n,) their uncertainty, m.
-        straight: (n, 2) normals of the outline at the rays, robot frame; zero at its corners.
+        lines: (n, 2) normals of the outline at the rays, robot frame; zero at its corners.
     """
     points, c, s, count = look.points, cos(look.yaw), sin(look.yaw), len(look.ranges)
     joined, normals = np.empty(count, dtype=np.bool_), np.zeros((2, count))
+    straight = np.zeros(count, dtype=np.bool_)
     for i in range(count):
         after = (i + 1) % count
         edge_x, edge_y = points[0, after] - points[0, i], points[1, after] - points[1, i]
         unsure = 3.0 * hypot(sigma[i], sigma[after])
         near = hypot(edge_x, edge_y) < 2.5 * (look.ranges[i] * (2 * pi / count)) + 0.01 + unsure
-        turn = straight[i, 0] * straight[after, 0] + straight[i, 1] * straight[after, 1]
-        x, y = straight[i, 0] + straight[after, 0], straight[i, 1] + straight[after, 1]
+        turn = lines[i, 0] * lines[after, 0] + lines[i, 1] * lines[after, 1]
+        x, y = lines[i, 0] + lines[after, 0], lines[i, 1] + lines[after, 1]
         length = max(hypot(x, y), 1e-9)
         nx, ny = (c * x - s * y) / length, (s * x + c * y) / length
         level = abs(edge_x * nx + edge_y * ny) < 0.01 + unsure
         in_line = turn > SAME_LINE and level
         joined[i] = look.hit[i] and look.hit[after] and (near or in_line)
-        # Corners and lone hits have no normal that can be trusted: none is compared with it.
         if turn > SAME_FACE and level:
-            normals[0, i], normals[1, i] = nx, ny
+            straight[i], normals[0, i], normals[1, i] = True, nx, ny
+    for i in range(count):
+        if joined[i] and not straight[i]:
+            normals[0, i], normals[1, i] = _rough_normal(points, joined, sigma, i)
     return Look(
-        look.stamp, look.x, look.y, look.yaw, look.ranges, look.hit, points, joined, normals, sigma
-    )
+        look.stamp, look.x, look.y, look.yaw, look.ranges, look.hit, points, joined, normals,
+        sigma, straight,
+    )  # fmt: skip
+
+
+@compiled
+def _rough_normal(
+    points: FloatArray, joined: BoolArray, sigma: FloatArray, ray: int
+) -> tuple[float, float]:
+    """Normal of the chord over the hits around a ray; (0, 0) where noise drowns it."""
+    count = len(joined)
+    first, last = ray, (ray + 1) % count
+    for _ in range(ROUGH_REACH):
+        if joined[first - 1]:
+            first = (first - 1) % count
+        if joined[last]:
+            last = (last + 1) % count
+    x, y = points[0, last] - points[0, first], points[1, last] - points[1, first]
+    length = hypot(x, y)
+    if length <= ROUGH * hypot(sigma[first], sigma[last]):
+        return 0.0, 0.0
+    return -y / length, x / length

@@ -12,6 +12,7 @@ from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
 END_DEPTH = 0.05  # m: an outline ends where the next ray reaches this much farther ...
 RANGE_END_DEPTH = 0.15  # m: ... or this much, where the next ray hits nothing
+END_REACH = 0.2  # m within which an end is looked for where it should have been before
 
 
 class Outline(NamedTuple):
@@ -22,29 +23,33 @@ class Outline(NamedTuple):
         points: (2, k) the hits in ray order, world frame, m.
         joined: (k,) True where a hit and the next one lie on one continuous surface.
         normals: (2, k) unit normals of the surface between a hit and the next one.
-        ends: (2, 2) first and last hit; nan where something nearer may hide the outline's end.
+        bounds: (2, k) True for hits at which a piece of outline is seen to begin, and to end: not
+            where something nearer may hide the rest.
     """
 
     stamp: float
     points: FloatArray
     joined: BoolArray
     normals: FloatArray
-    ends: FloatArray
+    bounds: BoolArray
 
 
 @compiled
 def outline_of(hits: Hits, chosen: IntArray, look: Look) -> Outline:
     """The outline of the chosen hits (k,), k > 0."""
     drawn = hits.rays[chosen]
-    ends, rays = np.full((2, 2), np.nan), len(look.ranges)
-    for end, k, step in ((0, 0, -1), (1, len(drawn) - 1, 1)):
-        ray = drawn[k]
-        beside = (ray + step) % rays
-        # Where nothing was hit beside it, the obstacle may go on just out of range.
-        depth = END_DEPTH if look.hit[beside] else RANGE_END_DEPTH
-        if look.ranges[beside] >= look.ranges[ray] + depth:
-            ends[end, 0], ends[end, 1] = look.points[0, ray], look.points[1, ray]
-    return _drawn(look.stamp, look.points, look.joined, look.normals, drawn, ends)
+    bounds = np.zeros((2, len(drawn)), dtype=np.bool_)
+    outline = _drawn(look.stamp, look.points, look.joined, look.normals, drawn, bounds)
+    for k in range(len(drawn)):
+        before = outline.joined[k - 1] if k > 0 else False
+        # A hit with none beside it may be anything.
+        if before != outline.joined[k]:
+            end, step = (1, 1) if before else (0, -1)
+            beside = (drawn[k] + step) % len(look.ranges)
+            # Where nothing was hit beside it, the obstacle may go on just out of range.
+            depth = END_DEPTH if look.hit[beside] else RANGE_END_DEPTH
+            bounds[end, k] = look.ranges[beside] >= look.ranges[drawn[k]] + depth
+    return outline
 
 
 @compiled
@@ -57,18 +62,19 @@ def outline_around(look: Look, taken: BoolArray, x: float, y: float, reach: floa
     for ray in range(len(wanted)):
         if hypot(look.points[0, ray] - x, look.points[1, ray] - y) >= reach:
             wanted[ray] = False
-    rays, unknown = wanted.nonzero()[0], np.full((2, 2), np.nan)
+    rays = wanted.nonzero()[0]
+    unknown = np.zeros((2, len(rays)), dtype=np.bool_)
     return _drawn(look.stamp, look.points, look.joined, look.normals, rays, unknown)
 
 
 @compiled
 def left_over(outline: Outline, gone: BoolArray) -> Outline:
     """The outline without the hits that are `gone` (k,)."""
-    kept, ends = (~gone).nonzero()[0], outline.ends.copy()
-    for end, k in ((0, 0), (1, len(gone) - 1)):
-        if gone[k]:
-            ends[end] = np.nan
-    return _drawn(outline.stamp, outline.points, outline.joined, outline.normals, kept, ends)
+    kept = (~gone).nonzero()[0]
+    bounds = np.empty((2, len(kept)), dtype=np.bool_)
+    for k in range(len(kept)):
+        bounds[0, k], bounds[1, k] = outline.bounds[0, kept[k]], outline.bounds[1, kept[k]]
+    return _drawn(outline.stamp, outline.points, outline.joined, outline.normals, kept, bounds)
 
 
 @compiled
@@ -78,12 +84,12 @@ def _drawn(
     joined: BoolArray,
     normals: FloatArray,
     kept: IntArray,
-    ends: FloatArray,
+    bounds: BoolArray,
 ) -> Outline:
     """The outline of those of n points (2, n) that are kept (k,); the arguments are its fields."""
     count, size = len(kept), points.shape[1]
     outline = Outline(
-        stamp, np.empty((2, count)), np.zeros(count, dtype=np.bool_), np.empty((2, count)), ends
+        stamp, np.empty((2, count)), np.zeros(count, dtype=np.bool_), np.empty((2, count)), bounds
     )
     for k in range(count):
         i = kept[k]
@@ -100,31 +106,27 @@ def in_one(first: Outline, second: Outline) -> Outline:
         np.concatenate((first.points, second.points), axis=1),
         np.concatenate((first.joined, second.joined)),
         np.concatenate((first.normals, second.normals), axis=1),
-        np.stack((first.ends[0], second.ends[1])),
+        np.concatenate((first.bounds, second.bounds), axis=1),
     )
 
 
 @compiled
-def end_rates(
-    ends: FloatArray, before: FloatArray, elapsed: float, look: Look
-) -> tuple[FloatArray, FloatArray]:
-    """(2, 2) directions across the lines of sight to the ends, and (2,) how fast each moved in its
-    direction, m/s; nan for an end that is not known in both looks.
+def end_before(outline: Outline, before: Outline, end: int, k: int, x: float, y: float) -> int:
+    """The number of the hit at which the outline that now begins or ends at hit `k` did so before;
+    -1 where that is not known.
 
     Args:
-        ends: (2, 2) as the look shows them, world frame.
-        before: (2, 2) as they were before.
-        elapsed: s since then.
-        look: the newer one.
+        outline, before: now and earlier.
+        end: 0 for where it begins, 1 for where it ends.
+        k: the hit at which it does so now.
+        x, y: motion in between, m.
     """
-    across, rates = np.zeros((2, 2)), np.full(2, np.nan)
-    for end in range(2):
-        if elapsed <= 0.0 or np.isnan(ends[end, 0]) or np.isnan(before[end, 0]):
-            continue
-        x, y = ends[end, 0] - look.x, ends[end, 1] - look.y
-        length = max(hypot(x, y), 1e-9)
-        across[end, 0], across[end, 1] = -y / length, x / length
-        along_x = across[end, 0] * (ends[end, 0] - before[end, 0])
-        along_y = across[end, 1] * (ends[end, 1] - before[end, 1])
-        rates[end] = (along_x + along_y) / elapsed
-    return across, rates
+    nearest, found = END_REACH, -1
+    for j in range(before.points.shape[1]):
+        if before.bounds[end, j]:
+            dx = outline.points[0, k] - x - before.points[0, j]
+            dy = outline.points[1, k] - y - before.points[1, j]
+            off = hypot(dx, dy)
+            if off < nearest:
+                nearest, found = off, j
+    return found

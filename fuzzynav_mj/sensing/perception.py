@@ -169,6 +169,7 @@ class Perceiver:
                 np.ascontiguousarray(hits.points[:, first:end].T),
                 now,
                 track if self._moves(track) else None,
+                self._noise,
             )
             for (first, end), track in zip(spans, tracks, strict=True)
         )
@@ -214,7 +215,7 @@ class Perceiver:
             if track.missed > 0 and free > GONE * outline.shape[1]:
                 self._tracks.remove(track)
             elif len(points) >= 2:
-                found.append(_perceived(points, now, track))
+                found.append(_perceived(points, now, track, self._noise))
         return tuple(found)
 
     def _moves(self, track: Track | None) -> bool:
@@ -222,15 +223,17 @@ class Perceiver:
         settings = self._settings
         if track is None:
             return False
-        if self._noise == 0.0 and track.seen < SETTLED and track.speed_sigma > settings.unsure:
+        if track.seen < SETTLED and track.speed_sigma > settings.unsure:
             return True
         if not settings.slowest <= track.speed <= settings.top_speed:
             return False
         return self._noise == 0.0 or track.moves_for_certain(settings.significance)
 
 
-def _perceived(points: FloatArray, now: Look, track: Track | None) -> PerceivedObstacle:
-    """An obstacle of these points (k, 2)."""
+def _perceived(
+    points: FloatArray, now: Look, track: Track | None, noise: float
+) -> PerceivedObstacle:
+    """An obstacle of these points (k, 2), seen with ranges of this much noise, m."""
     nearest = points[_nearest(points, now.x, now.y)]
     x, y = nearest.tolist()
     x, y = x - now.x, y - now.y
@@ -257,7 +260,15 @@ def _perceived(points: FloatArray, now: Look, track: Track | None) -> PerceivedO
         velocity=velocity,
         turn_rate=track.turn_rate,
         closing_sigma=track.sigma_along(x / reach, y / reach),
+        drift_sigma=_across(track) if noise > 0.0 else 0.0,
     )
+
+
+def _across(track: Track) -> float:
+    """Uncertainty of a mover's speed across its direction, m/s."""
+    vx, vy = track.velocity.tolist()
+    speed = max(hypot(vx, vy), 1e-9)
+    return track.sigma_along(-vy / speed, vx / speed)
 
 
 @compiled

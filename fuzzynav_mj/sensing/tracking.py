@@ -31,14 +31,19 @@ FORGET_AFTER = 8  # looks without a hit
 REMEMBERED = 2  # looks whose outlines are kept
 CLAIM = 0.03  # m between a hit and a mover's outline that claims it, besides what is uncertain
 STRAY_REACH = 0.08  # m within which a hit is held against an outline that should explain it
-STRAY = 0.008  # m by which it may lie off
+STRAY = 0.008  # m by which it may lie off, besides ...
+STRAY_NOISE = 2.0  # ... so many standard deviations of the ranges
 SAME_MOVER = 3.0  # squared standard deviations between velocities that may be one
 SAME_MOVER_MISFIT = 0.006  # m by which one velocity may miss both outlines
 WHOLE = 0.6  # of the fullest outline that must be in sight for it to be the fullest one
 OUTLINE_TIME = 1.0  # s after which an outline, however full, is too old
 
 NOTHING = Outline(
-    -inf, np.empty((2, 0)), np.empty(0, dtype=bool), np.empty((2, 0)), np.full((2, 2), np.nan)
+    -inf,
+    np.empty((2, 0)),
+    np.empty(0, dtype=bool),
+    np.empty((2, 0)),
+    np.empty((2, 0), dtype=bool),
 )
 NOBODY = Expected(
     np.empty((2, 0)),
@@ -167,8 +172,13 @@ class Track:
             )  # fmt: skip
             gone = gone_since(state, outline.stamp - newest.stamp)
             if self.seen > 0:
-                tolerance = STRAY + 6.0 * beliefs.noise
+                tolerance = STRAY + STRAY_NOISE * beliefs.noise
                 others = strays(outline, newest, *gone, STRAY_REACH, tolerance)
+                # A slow difference shows only over the longer time.
+                since = gone_since(state, outline.stamp - oldest.stamp)
+                slow = strays(outline, oldest, *since, STRAY_REACH, tolerance)
+                if not slow.all():
+                    others |= slow
                 explained = len(others) - int(others.sum())
                 if explained < max(len(others) / 2, 2.0):
                     return np.ones(len(others), dtype=bool)

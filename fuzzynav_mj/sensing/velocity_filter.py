@@ -5,14 +5,14 @@ its bend, and one that goes straight is not led astray. Each look's outline is h
 mover's own earlier ones.
 """
 
-from math import exp, sqrt
+from math import exp, hypot, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.sensing.looks import Look
-from fuzzynav_mj.sensing.outline import Outline, end_rates
+from fuzzynav_mj.sensing.outline import Outline, end_before
 from fuzzynav_mj.sensing.registration import hold_against
 from fuzzynav_mj.types import FloatArray
 
@@ -156,16 +156,30 @@ def _add_ends(
     look: Look,
     beliefs: Beliefs,
 ) -> None:
-    """Adds the motion of an outline's ends; the arguments are those of `_add_surface`."""
+    """Adds the motion of an outline's ends across the lines of sight to them; the arguments are
+    those of `_add_surface`."""
     elapsed = outline.stamp - before.stamp
-    across, rates = end_rates(outline.ends, before.ends, elapsed, look)
-    for end in range(2):
-        if not np.isnan(rates[end]):
-            row = _row(across[end, 0], across[end, 1], elapsed)
-            variance = (beliefs.outline_sigma / elapsed) ** 2
-            spread = END_OUTLIER**2 * variance
-            trust = _trust(row, rates[end], guess, doubt, spread)
-            _add(information, evidence, row, rates[end], trust / variance)
+    if elapsed <= 0.0:
+        return
+    x, y = gone_since(guess, elapsed)
+    variance = (beliefs.outline_sigma / elapsed) ** 2
+    for k in range(outline.points.shape[1]):
+        for end in range(2):
+            if not outline.bounds[end, k]:
+                continue
+            j = end_before(outline, before, end, k, x, y)
+            if j < 0:
+                continue
+            # What is nearer or farther along the line of sight may be another part of the mover.
+            sight_x, sight_y = outline.points[0, k] - look.x, outline.points[1, k] - look.y
+            length = max(hypot(sight_x, sight_y), 1e-9)
+            across_x, across_y = -sight_y / length, sight_x / length
+            moved_x = outline.points[0, k] - before.points[0, j]
+            moved_y = outline.points[1, k] - before.points[1, j]
+            rate = (across_x * moved_x + across_y * moved_y) / elapsed
+            row = _row(across_x, across_y, elapsed)
+            trust = _trust(row, rate, guess, doubt, END_OUTLIER**2 * variance)
+            _add(information, evidence, row, rate, trust / variance)
 
 
 @compiled

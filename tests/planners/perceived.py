@@ -17,6 +17,7 @@ def mover(
     turn_rate: float = 0.0,
     closing_sigma: float = 0.0,
     dynamic: bool = True,
+    drift_sigma: float = 0.0,
 ) -> PerceivedObstacle:
     """An obstacle that moves, seen by a robot at the origin that faces +x."""
     spots, speed = np.array(points, dtype=float), np.array(velocity, dtype=float)
@@ -31,4 +32,5 @@ def mover(
         velocity=speed,
         turn_rate=turn_rate,
         closing_sigma=closing_sigma,
+        drift_sigma=drift_sigma,
     )

@@ -122,6 +122,21 @@ def test_left_is_the_mirror_of_right(speed: float, heading: float, turn_rate: fl
         assert among(right, way * (1.0, -1.0))
 
 
+def test_a_mover_of_uncertain_direction_may_go_astray_to_both_sides() -> None:
+    """By three standard deviations of what is beyond 0.03 m/s, but no more than 0.3 m/s."""
+
+    def widest(drift_sigma: float) -> float:
+        seen = mover([(0.6, 0.0), (0.65, 0.1)], (-0.2, 0.0), drift_sigma=drift_sigma)
+        found = displacements(seen, HERE, TIMES)
+        left, right = float(found[:, 7, 1].max()), float(found[:, 7, 1].min())
+        assert left == pytest.approx(-right)
+        return left  # after 0.8 s
+
+    assert widest(0.03) == pytest.approx(0.16)
+    assert widest(0.05) == pytest.approx(0.16 + 3.0 * 0.02 * 0.8)
+    assert widest(0.5) == pytest.approx(0.16 + 0.3 * 0.8)
+
+
 def test_uncertain_closing_speed_is_met_with_caution() -> None:
     """An unsure look is answered by thinking of the mover as coming faster, never slower."""
     sure, unsure = ways((-0.2, 0.0)), ways((-0.2, 0.0), closing_sigma=0.3)

@@ -79,7 +79,9 @@ def test_without_prediction_movers_stand_where_they_are_seen() -> None:
     visible = VisibilityMatrix(
         np.zeros((4, 1), dtype=bool), np.zeros(4, dtype=int), np.zeros(4, dtype=int)
     )
-    moves = mover([[0.5, 0.1], [0.5, 0.0]], (-0.3, 0.0), turn_rate=0.5, closing_sigma=0.1)
+    moves = mover(
+        [[0.5, 0.1], [0.5, 0.0]], (-0.3, 0.0), turn_rate=0.5, closing_sigma=0.1, drift_sigma=0.1
+    )
     stands = standing([[0.0, 0.4]])
     seen = Observation(
         1.0, Pose2D(1.0, 2.0, 0.0), Twist2D(0.1, 0.0), scan,
@@ -93,7 +95,7 @@ def test_without_prediction_movers_stand_where_they_are_seen() -> None:
     told, other = witness.given.perception.obstacles
     assert told.points is moves.points and told.distance == moves.distance
     assert (told.velocity.tolist(), told.turn_rate, told.closing_sigma) == ([0.0, 0.0], 0.0, 0.0)
-    assert not told.approaching
+    assert not told.approaching and told.drift_sigma == 0.0
     assert other.points is stands.points
     assert witness.given.scan is scan
     assert (witness.given.pose, witness.given.twist) == (seen.pose, seen.twist)

@@ -19,7 +19,7 @@ BEARINGS = -pi + np.arange(180) * (2 * pi / 180)
 NOTHING = VisibilityMatrix(np.zeros((4, 180), dtype=bool), np.zeros(4, int), np.zeros(4, int))
 
 
-def seen(points: FloatArray, velocity: tuple[float, float]) -> Perception:
+def seen(points: FloatArray, velocity: tuple[float, float], turn_rate: float = 0.0) -> Perception:
     """One obstacle seen from the origin, looking along x."""
     distance = np.hypot(points[:, 0], points[:, 1])
     nearest = int(distance.argmin())
@@ -34,6 +34,7 @@ def seen(points: FloatArray, velocity: tuple[float, float]) -> Perception:
         dynamic=velocity != (0.0, 0.0),
         approaching=velocity[0] < 0.0,
         velocity=np.array(velocity),
+        turn_rate=turn_rate,
     )
     return Perception(LaserScan(0.0, BEARINGS, ranges, ranges < 0.8, 0.8), (obstacle,), NOTHING)
 
@@ -47,6 +48,15 @@ def test_what_moves_has_gone_on() -> None:
     np.testing.assert_allclose(obstacle.points, FACE - (0.04, 0.0))
     assert obstacle.distance == pytest.approx(0.46) and obstacle.approaching
     assert now.scan.ranges[90] == pytest.approx(0.46, abs=1e-9)
+
+
+def test_what_turns_has_gone_on_round_its_bend() -> None:
+    """0.1 s at 0.4 m/s and 1.5 rad/s is a chord at half the angle, and the velocity has turned."""
+    now = brought_up(seen(FACE, (-0.4, 0.0), turn_rate=1.5), Pose2D(0.0, 0.0, 0.0), 0.1)
+    (obstacle,) = now.obstacles
+    np.testing.assert_allclose(obstacle.velocity, -0.4 * np.array([np.cos(0.15), np.sin(0.15)]))
+    way = -0.04 * np.array([np.cos(0.075), np.sin(0.075)])
+    np.testing.assert_allclose(obstacle.points, FACE + way)
 
 
 def test_what_stands_is_nearer_by_the_way_driven() -> None:
