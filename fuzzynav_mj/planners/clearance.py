@@ -12,13 +12,18 @@ FAR = 9.0  # m: clearance where there is nothing in sight
 
 def static_clearance(poses: np.ndarray, points: FloatArray, half_side: float) -> FloatArray:
     """(m, T) gaps between the square at `poses` (m, T, 3) and the nearest point (k, 2)."""
-    return _nearest_gaps(_plain(poses), _plain(points[None]), half_side)
+    return _nearest_gaps(_plain(poses), at_all_times(points, poses.shape[1]), half_side)
 
 
 def moving_clearance(poses: np.ndarray, places: FloatArray, half_side: float) -> FloatArray:
     """(m, T) gaps between the square at `poses` (m, T, 3) and the nearest of the moving points,
     which at the time of column j are at `places[j]` (T, 2, k)."""
-    return _nearest_gaps(_plain(poses), _plain(places.transpose(0, 2, 1)), half_side)
+    return _nearest_gaps(_plain(poses), _plain(places.transpose(1, 2, 0)), half_side)
+
+
+def at_all_times(points: FloatArray, columns: int) -> FloatArray:
+    """(2, k, T) points (k, 2) that stay where they are, as `gaps_on_the_way` takes them."""
+    return np.repeat(_plain(points.T)[:, :, None], columns, axis=2)
 
 
 def _plain(values: np.ndarray) -> FloatArray:
@@ -28,47 +33,36 @@ def _plain(values: np.ndarray) -> FloatArray:
 
 @compiled
 def _nearest_gaps(poses: FloatArray, points: FloatArray, half: float) -> FloatArray:
-    """(m, T) gaps between squares at `poses` (m, T, 3) and the nearest of the points (T, k, 2) of
-    the same column, or (1, k, 2) of all columns."""
+    """(m, T) gaps between squares at `poses` (m, T, 3) and the nearest of the points (2, k, T) of
+    the same column."""
     count, columns = poses.shape[:2]
-    gaps = np.empty((count, columns))
+    gaps, placed = np.empty((count, columns)), np.empty((4, columns))
     for i in range(count):
-        likely = 0  # the point nearest to the pose before
         for j in range(columns):
-            x, y = poses[i, j, 0], poses[i, j, 1]
-            c, s = cos(poses[i, j, 2]), sin(poses[i, j, 2])
-            row = j if len(points) > 1 else 0
-            gaps[i, j], likely = nearest_gap(x, y, c, s, points[row], likely, half)
+            placed[0, j], placed[1, j] = poses[i, j, 0], poses[i, j, 1]
+            placed[2, j], placed[3, j] = cos(poses[i, j, 2]), sin(poses[i, j, 2])
+        gaps_on_the_way(gaps[i], placed, points, half)
     return gaps
 
 
 @compiled
-def nearest_gap(
-    x: float, y: float, c: float, s: float, points: FloatArray, likely: int, half: float
-) -> tuple[float, int]:
-    """The gap between a square and the nearest point, and the number of that point.
+def gaps_on_the_way(gaps: FloatArray, placed: FloatArray, points: FloatArray, half: float) -> None:
+    """Fills in the gaps (T,) between a square on its way and the nearest point at each time.
 
     Args:
-        x, y: the square's centre, m.
-        c, s: cosine and sine of its yaw.
-        points: (k, 2).
-        likely: the number of a point that may be the nearest: it is tried first, which rules most
-            others out.
+        gaps: m; `FAR` where no point is nearer.
+        placed: (4, T) the square's centre, x and y, m, and cosine and sine of its yaw.
+        points: (2, k, T) x and y.
         half: half of the square's side, m.
     """
-    nearest, found, reach = FAR * FAR, 0, half * sqrt(2.0)
-    worth_a_look = (FAR + reach) ** 2
-    for number in range(-1, len(points)):
-        k = number if number >= 0 else min(likely, len(points) - 1)
-        if k < 0:
-            break
-        dx, dy = points[k, 0] - x, points[k, 1] - y
-        if dx * dx + dy * dy >= worth_a_look:
-            continue
-        ahead = max(abs(c * dx + s * dy) - half, 0.0)
-        aside = max(abs(c * dy - s * dx) - half, 0.0)
-        squared = ahead * ahead + aside * aside
-        if squared < nearest:
-            nearest, found = squared, k
-            worth_a_look = (sqrt(nearest) + reach) ** 2
-    return sqrt(nearest), found
+    gaps[:] = FAR * FAR
+    # Times lie side by side: the compiler takes several of them at once.
+    for k in range(points.shape[1]):
+        for j in range(len(gaps)):
+            dx, dy = points[0, k, j] - placed[0, j], points[1, k, j] - placed[1, j]
+            c, s = placed[2, j], placed[3, j]
+            ahead = max(abs(c * dx + s * dy) - half, 0.0)
+            aside = max(abs(c * dy - s * dx) - half, 0.0)
+            gaps[j] = min(gaps[j], ahead * ahead + aside * aside)
+    for j in range(len(gaps)):
+        gaps[j] = sqrt(gaps[j])

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
-from fuzzynav_mj.planners.clearance import FAR, nearest_gap
+from fuzzynav_mj.planners.clearance import FAR, at_all_times, gaps_on_the_way
 from fuzzynav_mj.planners.motions import HORIZON, Motions
 from fuzzynav_mj.planners.passing import JUDGED
 from fuzzynav_mj.planners.settings import DecisionSettings
@@ -53,8 +53,8 @@ class _Movers(NamedTuple):
     """What moves, and how far to keep away from it in each of T periods.
 
     Attributes:
-        expected: (T, k, 2) points as far as their motion can be foreseen, robot frame ...
-        possible: (T, j, 2) ... and where else they may be.
+        expected: (2, k, T) points as far as their motion can be foreseen, robot frame ...
+        possible: (2, j, T) ... and where else they may be.
         wanted: (T,) gap that an admissible candidate keeps to the former, m ...
         unlikely: (T,) ... and to the latter.
         berth: (T,) gap below which a candidate costs more.
@@ -84,8 +84,8 @@ def look_ahead(
     wanted = settings.moving_margin + settings.moving_margin_growth * times
     share = min(max(around.doubt / settings.doubtful, settings.unlikely_share), 1.0)
     movers = _Movers(
-        expected=around.expected[:HORIZON].transpose(0, 2, 1) @ to_robot.T,
-        possible=around.possible.transpose(0, 2, 1) @ to_robot.T,
+        expected=_over_time(around.expected[:HORIZON], to_robot),
+        possible=_over_time(around.possible, to_robot),
         wanted=wanted,
         unlikely=share * wanted,
         berth=settings.moving_gap
@@ -94,7 +94,7 @@ def look_ahead(
     )
     return _prospects(
         motions.poses,
-        standing,
+        at_all_times(standing, HORIZON),
         _margins(motions.speed, standing, times, spec, settings),
         around.sight.ranges,
         pose.yaw - float(around.sight.bearings[0]),
@@ -103,6 +103,11 @@ def look_ahead(
         movers,
         spec.half_side,
     )
+
+
+def _over_time(places: FloatArray, turn: FloatArray) -> FloatArray:
+    """(2, k, T) turned points, from places (T, 2, k)."""
+    return np.ascontiguousarray((places.transpose(0, 2, 1) @ turn.T).transpose(2, 1, 0))
 
 
 def _margins(
@@ -140,7 +145,7 @@ def _prospects(
 
     Args:
         poses: (m, T, 3) robot frame.
-        standing: (k, 2) points of what stands, robot frame.
+        standing: (2, k, T) points of what stands, robot frame.
         margins: (m, T) that must be kept to it.
         ranges: (n,) of the rays.
         turn: bearing of the robot's own axis from the first ray, rad.
@@ -161,15 +166,22 @@ def _prospects(
         np.full(count, FAR),
         np.empty(count, dtype=np.bool_),
     )
-    c, s, gaps = np.empty(periods), np.empty(periods), np.empty(periods)
+    placed, gaps, swerved = np.empty((4, periods)), np.empty(periods), np.empty(periods)
     surely_seen = ranges.min() ** 2
     for i in range(count):
+        for j in range(periods):
+            placed[0, j], placed[1, j] = poses[i, j, 0], poses[i, j, 1]
+            placed[2, j], placed[3, j] = cos(poses[i, j, 2]), sin(poses[i, j, 2])
+        gaps_on_the_way(gaps, placed, standing, half_side)
         stop = _stop_in_time(
-            found, i, c, s, gaps, standing, margins, ranges, surely_seen, turn, brake_steps[i],
-            slowing, half_side,
-        )  # fmt: skip
+            found, i, gaps, margins, ranges, surely_seen, turn, brake_steps[i], slowing
+        )
         found.poses[i, stop + 1 :] = poses[i, stop]
-        _meet_movers(found, i, c, s, stop, movers, half_side)
+        for row in range(4):
+            placed[row, stop + 1 :] = placed[row, stop]
+        gaps_on_the_way(gaps, placed, movers.expected, half_side)
+        gaps_on_the_way(swerved, placed, movers.possible, half_side)
+        _meet_movers(found, i, gaps, swerved, movers)
     return found
 
 
@@ -177,79 +189,58 @@ def _prospects(
 def _stop_in_time(
     found: Outlook,
     i: int,
-    c: FloatArray,
-    s: FloatArray,
     gaps: FloatArray,
-    standing: FloatArray,
     margins: FloatArray,
     ranges: FloatArray,
     surely_seen: float,
     turn: float,
     brake_steps: int,
     slowing: float,
-    half_side: float,
 ) -> int:
     """Rolls candidate `i` on until just before what stands or is unseen; returns the period after
     which it stops, and fills in `static`, `static_ok` and `soon`.
 
     Args:
         found: the prospects, `poses` still without a stop.
-        c, s, gaps: (T,) to be filled with cosines and sines of the candidate's yaws, and with its
-            smallest gap up to each period, up to where it stops.
+        gaps: (T,) to what stands, m.
         surely_seen: squared distance up to which all is seen, m2.
-        standing, margins, ranges, turn, slowing, half_side: as in `_prospects`.
+        margins, ranges, turn, slowing: as in `_prospects`.
         brake_steps: the candidate's.
     """
-    periods = len(c)
-    stop, likely, smallest, blocked = periods - 1, 0, FAR, False
-    for j in range(periods):
+    stop = len(gaps) - 1
+    for j in range(len(gaps)):
         x, y, yaw = found.poses[i, j]
-        c[j], s[j] = cos(yaw), sin(yaw)
-        gap, likely = nearest_gap(x, y, c[j], s[j], standing, likely, half_side)
-        smallest = min(smallest, gap)
-        gaps[j] = smallest
-        if j < SOON:
-            found.soon[i] = smallest
-        if not blocked:
-            blocked = gap < margins[i, j]
-            if not blocked and x * x + y * y > surely_seen:
-                ray = round((atan2(y, x) + turn) * (len(ranges) / (2 * pi))) % len(ranges)
-                blocked = x * x + y * y > ranges[ray] ** 2
-            if blocked:
-                before = found.poses[i, j - 1, 2] if j > 0 else 0.0
-                spin_steps = ceil(abs(yaw - before) / slowing - 1e-3)
-                last = j - 1 - max(brake_steps, spin_steps)
-                found.static_ok[i] = last >= 0
-                stop = max(last, 0)
-        if blocked and j + 1 >= SOON:
+        blocked = gaps[j] < margins[i, j]
+        if not blocked and x * x + y * y > surely_seen:
+            ray = round((atan2(y, x) + turn) * (len(ranges) / (2 * pi))) % len(ranges)
+            blocked = x * x + y * y > ranges[ray] ** 2
+        if blocked:
+            before = found.poses[i, j - 1, 2] if j > 0 else 0.0
+            spin_steps = ceil(abs(yaw - before) / slowing - 1e-3)
+            last = j - 1 - max(brake_steps, spin_steps)
+            found.static_ok[i] = last >= 0
+            stop = max(last, 0)
             break
-    found.static[i] = gaps[stop]
+    found.static[i] = gaps[: stop + 1].min()
+    found.soon[i] = gaps[:SOON].min()
     return stop
 
 
 @compiled
 def _meet_movers(
-    found: Outlook,
-    i: int,
-    c: FloatArray,
-    s: FloatArray,
-    stop: int,
-    movers: _Movers,
-    half_side: float,
+    found: Outlook, i: int, gaps: FloatArray, swerved: FloatArray, movers: _Movers
 ) -> None:
-    """Holds candidate `i`, which stops after the period `stop`, against what moves; fills in
-    `moving`, `expected`, `crowding`, `contact_step` and `admissible`."""
-    kept, near, other = found.static_ok[i], 0, 0
-    for j in range(len(c)):
-        k = min(j, stop)
-        x, y = found.poses[i, k, 0], found.poses[i, k, 1]
-        gap, near = nearest_gap(x, y, c[k], s[k], movers.expected[j], near, half_side)
-        swerved, other = nearest_gap(x, y, c[k], s[k], movers.possible[j], other, half_side)
-        kept = kept and gap >= movers.wanted[j] and swerved >= movers.unlikely[j]
+    """Holds candidate `i` against what moves, which comes near it in each period by the gaps (T,)
+    if it goes on as expected, and by `swerved` (T,) if not, m; fills in `moving`, `expected`,
+    `crowding`, `contact_step` and `admissible`."""
+    kept = found.static_ok[i]
+    for j in range(len(gaps)):
+        gap, nearest = gaps[j], min(gaps[j], swerved[j])
+        kept = kept and gap >= movers.wanted[j] and swerved[j] >= movers.unlikely[j]
         if gap < movers.contact:
             found.contact_step[i] = min(found.contact_step[i], j)
         found.expected[i] = min(found.expected[i], gap)
-        found.moving[i] = min(found.moving[i], gap, swerved)
+        found.moving[i] = min(found.moving[i], nearest)
         if j < JUDGED:
-            found.crowding[i] = max(found.crowding[i], movers.berth[j] - min(gap, swerved))
+            found.crowding[i] = max(found.crowding[i], movers.berth[j] - nearest)
     found.admissible[i] = kept
