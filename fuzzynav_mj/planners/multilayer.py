@@ -6,7 +6,7 @@ the gate judges the chosen next position and may have the alternative of lowest 
 """
 
 from dataclasses import dataclass, replace
-from math import atan2, cos, hypot, inf, pi, sin
+from math import atan2, cos, hypot, inf, sin
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -18,6 +18,7 @@ from fuzzynav_mj.planners.guidance import Guidance, Heading
 from fuzzynav_mj.planners.motions import Motions, candidate_motions
 from fuzzynav_mj.planners.outlook import Outlook, look_ahead
 from fuzzynav_mj.planners.passing import JUDGED, Passing, ways_past
+from fuzzynav_mj.planners.priorities import closest_approach, secondary_costs, step_lengths
 from fuzzynav_mj.planners.sectors import as_fuzzy_inputs, sector_distances
 from fuzzynav_mj.planners.settings import DecisionSettings
 from fuzzynav_mj.planners.steering import position_after
@@ -125,29 +126,32 @@ class MultilayerPlanner:
         goal.
         """
         settings = self._settings
-        x, y = outlook.poses[..., 0], outlook.poses[..., 1]
-        soon = slice(settings.progress_steps)
-        away = (x[:, soon] - target[0]) ** 2 + (y[:, soon] - target[1]) ** 2
-        other = settings.static_weight * np.maximum(settings.comfortable_gap - outlook.static, 0.0)
-        other += settings.reverse_cost * (motions.speed < 0)
-        if self._travel is not None:
-            turn = np.abs((motions.direction + pose.yaw - self._travel + pi) % (2 * pi) - pi)
-            other += settings.change_cost * turn
+        other = secondary_costs(
+            outlook.static,
+            motions.speed,
+            motions.direction,
+            pose.yaw,
+            self._travel or 0.0,
+            settings.comfortable_gap,
+            settings.static_weight,
+            settings.reverse_cost,
+            0.0 if self._travel is None else settings.change_cost,
+        )
         if dock is not None and dock.turn_to is not None:
             other += ~motions.on_the_spot
         # Nearer than this no way is better than another: the fastest is taken.
         near_enough = 0.0 if dock is not None else self._problem.goal_tolerance / 2
-        alone = np.maximum(np.sqrt(away.min(axis=1)), near_enough) + other
+        nearest = closest_approach(outlook.poses, settings.progress_steps, target)
+        alone = np.maximum(nearest, near_enough) + other
         if passing is None:
             # Waiting is for movers: among what stands it would last for ever.
             goes = np.abs(outlook.poses[:, -1]).max(axis=1) > STANDING
             alone += settings.waiting_cost * ~goes
             return alone, alone
-        x, y = x[:, :JUDGED], y[:, :JUDGED]
-        travelled = np.sqrt(np.diff(x) ** 2 + np.diff(y) ** 2).sum(axis=1)
         c, s = cos(pose.yaw), sin(pose.yaw)
-        x, y = x[:, -1], y[:, -1]
+        x, y = outlook.poses[:, JUDGED - 1, 0], outlook.poses[:, JUDGED - 1, 1]
         cost = passing.worth(c * x - s * y, s * x + c * y) + other
+        travelled = step_lengths(outlook.poses, JUDGED).sum(axis=1)
         cost += settings.passing_length * travelled + settings.moving_weight * outlook.crowding
         return cost, alone
 

@@ -4,7 +4,7 @@ The speed cap lies here, below the fuzzy gate: a candidate is admissible only if
 short of everything that stands and of everything that this look has not seen.
 """
 
-from math import atan2, ceil, cos, pi, sin
+from math import atan2, ceil, cos, pi, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -95,7 +95,16 @@ def look_ahead(
     return _prospects(
         motions.poses,
         at_all_times(standing, HORIZON),
-        _margins(motions.speed, standing, times, spec, settings),
+        _margins(
+            motions.speed,
+            standing,
+            times,
+            spec.half_side,
+            settings.static_margin,
+            settings.static_margin_growth,
+            settings.static_recovery,
+            settings.creeping_speed,
+        ),
         around.sight.ranges,
         pose.yaw - float(around.sight.bearings[0]),
         motions.brake_steps,
@@ -110,23 +119,38 @@ def _over_time(places: FloatArray, turn: FloatArray) -> FloatArray:
     return np.ascontiguousarray((places.transpose(0, 2, 1) @ turn.T).transpose(2, 1, 0))
 
 
+@compiled
 def _margins(
     aim: FloatArray,
     standing: FloatArray,
     times: FloatArray,
-    spec: RobotSpec,
-    settings: DecisionSettings,
+    half_side: float,
+    margin: float,
+    growth: float,
+    recovery: float,
+    creeping: float,
 ) -> FloatArray:
-    """(m, HORIZON) gaps to keep to what stands, for the speeds (m,) aimed at."""
-    beside = np.maximum(np.abs(standing) - spec.half_side, 0.0)
-    gap_now = float(np.sqrt((beside * beside).sum(axis=1)).min(initial=FAR))
-    speed = np.abs(aim)[:, None]
-    margin = settings.static_margin + settings.static_margin_growth * speed
+    """(m, T) gaps to keep to what stands, (k, 2), at each of the times (T,), for the speeds (m,)
+    aimed at.
+
+    The last four arguments are the settings `static_margin`, `static_margin_growth`,
+    `static_recovery` and `creeping_speed`.
+    """
+    gap_now = FAR
+    for k in range(len(standing)):
+        ahead = max(abs(standing[k, 0]) - half_side, 0.0)
+        aside = max(abs(standing[k, 1]) - half_side, 0.0)
+        gap_now = min(gap_now, sqrt(ahead * ahead + aside * aside))
     # Closer than that already: any speed will do that makes room at once, and a slow one that keeps
     # what room there is; or else a robot that was driven into a nook could never leave it.
     kept = gap_now - (0.002 if gap_now > 0.01 else 0.0005)
-    hasty = np.maximum(speed - settings.creeping_speed, 0.0)
-    return np.minimum(margin, kept + settings.static_recovery * hasty * times)
+    margins = np.empty((len(aim), len(times)))
+    for i in range(len(aim)):
+        speed = abs(aim[i])
+        hasty = max(speed - creeping, 0.0)
+        for j in range(len(times)):
+            margins[i, j] = min(margin + growth * speed, kept + recovery * hasty * times[j])
+    return margins
 
 
 @compiled

@@ -9,7 +9,7 @@ candidate's place is worth. It is a guide only: what is safe is decided on the r
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import hypot, pi
+from math import floor, hypot, pi
 
 import numpy as np
 
@@ -26,9 +26,9 @@ JOINED = 3  # the step at whose end a candidate's place is judged
 JUDGED = STRIDE * JOINED  # the same in decision periods
 DISC = 0.12  # m: radius of the disc that stands for the footprint
 ARRIVED = 0.1  # m from the target
-NEARBY = 0.3  # m: larger gaps between the disc and movers do not matter
 BERTH = 0.13  # m: gap to movers below which a place costs more, now ...
 BERTH_GROWTH = 0.01  # m: ... and per step
+NEARBY = 0.24  # m, more than any berth: larger gaps do not matter
 LEAST_GAP = 0.03  # m: a smaller one counts as contact
 NO_WAY = 4.0  # m: cost of a place with no way on
 BLOCKED = 2.0  # m: what a place among obstacles costs more than its distance to the target
@@ -69,11 +69,11 @@ def ways_past(
     """
     ground = _ground(sight.max_range)
     passable = _passable(ground, sight)
-    gaps = _gaps(ground.axis, np.ascontiguousarray(expected.transpose(0, 2, 1)))
     left_over = np.hypot(ground.x - target[0], ground.y - target[1])
     value = _value(
         passable,
-        gaps,
+        ground.axis,
+        np.ascontiguousarray(expected.transpose(0, 2, 1)),
         left_over - hypot(*target.tolist()),
         ground.rim | (left_over < ARRIVED),
         ground.moves,
@@ -131,15 +131,24 @@ def _ground(radius: float) -> _Ground:
 
 def _passable(ground: _Ground, sight: Sight) -> BoolArray:
     """(n, n) True where the disc may be, as far as what stands is concerned."""
-    count = len(sight.bearings)
-    turn = (ground.bearing - sight.bearings[0]) * (count / (2 * pi))
-    ray = np.floor(turn + 0.5).astype(np.intp) % count
-    seen: BoolArray = ground.distance <= sight.ranges.take(ray) + 1e-9
     x, y = sight.points.T
     # Where the robot stands it may stand.
     disc = min(DISC, float(np.hypot(x, y).min(initial=DISC)) - 0.02)
+    seen = _seen(ground.distance, ground.bearing, sight.ranges, float(sight.bearings[0]))
     seen[ground.half, ground.half] = True
     _block(seen, ground.axis, sight.points, disc)
+    return seen
+
+
+@compiled
+def _seen(distance: FloatArray, bearing: FloatArray, ranges: FloatArray, first: float) -> BoolArray:
+    """(n, n) True for the cells at these distances and bearings that the rays (k,) reach, the
+    first one at the bearing `first`."""
+    seen, count = np.empty(distance.shape, dtype=np.bool_), len(ranges)
+    for a in range(len(distance)):
+        for b in range(len(distance)):
+            turn = (bearing[a, b] - first) * (count / (2 * pi))
+            seen[a, b] = distance[a, b] <= ranges[floor(turn + 0.5) % count] + 1e-9
     return seen
 
 
@@ -153,26 +162,23 @@ def _block(passable: BoolArray, axis: FloatArray, points: FloatArray, radius: fl
 
 
 @compiled
-def _gaps(axis: FloatArray, expected: FloatArray) -> FloatArray:
-    """(STEPS + 1, n, n) smallest gaps between the disc and movers around each step's end; at most
-    `NEARBY`."""
-    size = len(axis)
-    reach = int((NEARBY + DISC) / CELL)
-    gaps = np.full((STEPS + 1, size, size), (NEARBY + DISC) ** 2)
-    for step in range(JOINED + 1, STEPS + 1):
-        first = step * STRIDE - 2
-        for period in range(first, min(first + STRIDE, len(expected))):
-            for k in range(expected.shape[1]):
-                x, y = expected[period, k, 0], expected[period, k, 1]
-                note_nearest(gaps[step], axis, x, y, reach)
-    gaps[:] = np.sqrt(gaps) - DISC
+def _gaps(axis: FloatArray, expected: FloatArray, step: int) -> FloatArray:
+    """(n, n) smallest gaps between the disc and movers around the step's end; at most `NEARBY`."""
+    squared = np.full((len(axis), len(axis)), (NEARBY + DISC) ** 2)
+    first = step * STRIDE - 2
+    for period in range(first, min(first + STRIDE, len(expected))):
+        for k in range(expected.shape[1]):
+            x, y = expected[period, k, 0], expected[period, k, 1]
+            note_nearest(squared, axis, x, y, int((NEARBY + DISC) / CELL))
+    gaps: FloatArray = np.sqrt(squared) - DISC
     return gaps
 
 
 @compiled
 def _value(
     passable: BoolArray,
-    gaps: FloatArray,
+    axis: FloatArray,
+    expected: FloatArray,
     left_over: FloatArray,
     leaves: BoolArray,
     moves: IntArray,
@@ -183,34 +189,35 @@ def _value(
 
     Args:
         passable: (n, n) where the disc may be.
-        gaps: (STEPS + 1, n, n) to movers.
+        axis: (n,) as in `_Ground`.
+        expected: (OUTLOOK, k, 2) points of movers.
         left_over: (n, n) cost of what then remains to the target.
         leaves: (n, n) True where the way may end before the last step.
         moves, tolls: (k, 2) cells and (k,) cost of each.
         crowding: cost per step and metre missing of the berth.
     """
     size = len(left_over)
-    value = np.where(passable, left_over, NO_WAY)
-    there = np.empty((size, size))
+    width = size + 2 * STRIDE
+    ends = np.where(leaves, left_over, NO_WAY)
+    # With a rim that no way leads over, row by row: a move is a shift by so many cells.
+    there = np.full((width, width), np.inf)
+    value = np.zeros((size, width))
+    value[:, :size] = left_over
     for step in range(STEPS, JOINED, -1):
-        berth = BERTH + BERTH_GROWTH * step
+        gaps, berth = _gaps(axis, expected, step), BERTH + BERTH_GROWTH * step
         for a in range(size):
             for b in range(size):
-                gap = gaps[step, a, b]
-                there[a, b] = value[a, b] + crowding * max(berth - gap, 0.0)
-                if gap < LEAST_GAP or not passable[a, b]:
-                    there[a, b] = NO_WAY
-        for a in range(size):
-            for b in range(size):
-                if not passable[a, b]:
-                    continue
-                best = left_over[a, b] if leaves[a, b] else NO_WAY
-                for m in range(len(moves)):
-                    i, j = a + moves[m, 0], b + moves[m, 1]
-                    if 0 <= i < size and 0 <= j < size:
-                        best = min(best, there[i, j] + tolls[m])
-                value[a, b] = best
-    return value
+                cost = value[a, b] + crowding * max(berth - gaps[a, b], 0.0)
+                free = passable[a, b] and gaps[a, b] >= LEAST_GAP
+                there[a + STRIDE, b + STRIDE] = cost if free else NO_WAY
+        value[:, :size] = ends
+        costs, best = there.ravel(), value.ravel()[: size * width - 2 * STRIDE]
+        for m in range(len(moves)):
+            first = (STRIDE + moves[m, 0]) * width + STRIDE + moves[m, 1]
+            shifted, toll = costs[first : first + len(best)], tolls[m]
+            for k in range(len(best)):
+                best[k] = min(best[k], shifted[k] + toll)
+    return np.where(passable, value[:, :size], NO_WAY)
 
 
 @compiled

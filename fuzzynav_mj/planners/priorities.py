@@ -1,0 +1,71 @@
+"""What the priorities of the multilayer decision measure on the rolled-out candidates."""
+
+from math import pi, sqrt
+
+import numpy as np
+
+from fuzzynav_mj.compiled import compiled
+from fuzzynav_mj.types import FloatArray
+
+
+@compiled
+def closest_approach(poses: FloatArray, steps: int, target: tuple[float, float]) -> FloatArray:
+    """(m,) how near to the target each candidate comes in the first steps, m.
+
+    Args:
+        poses: (m, T, 3) robot frame.
+        steps: decision periods that count.
+        target: robot frame, m.
+    """
+    nearest = np.empty(len(poses))
+    for i in range(len(poses)):
+        squared = np.inf
+        for j in range(steps):
+            dx, dy = poses[i, j, 0] - target[0], poses[i, j, 1] - target[1]
+            squared = min(squared, dx * dx + dy * dy)
+        nearest[i] = sqrt(squared)
+    return nearest
+
+
+@compiled
+def step_lengths(poses: FloatArray, steps: int) -> FloatArray:
+    """(m, steps - 1) how far each candidate of `poses` (m, T, 3) goes from each of the first steps
+    to the next, m."""
+    lengths = np.empty((len(poses), steps - 1))
+    for i in range(len(poses)):
+        for j in range(steps - 1):
+            dx, dy = poses[i, j + 1, 0] - poses[i, j, 0], poses[i, j + 1, 1] - poses[i, j, 1]
+            lengths[i, j] = sqrt(dx * dx + dy * dy)
+    return lengths
+
+
+@compiled
+def secondary_costs(
+    gaps: FloatArray,
+    speed: FloatArray,
+    direction: FloatArray,
+    yaw: float,
+    travel: float,
+    comfortable_gap: float,
+    static_weight: float,
+    reverse_cost: float,
+    change_cost: float,
+) -> FloatArray:
+    """(m,) what room, reversing and a new direction cost each candidate, m.
+
+    Args:
+        gaps: (m,) smallest gap to what stands, m.
+        speed: (m,) aimed at, m/s.
+        direction: (m,) of travel, rad, robot frame.
+        yaw: of the robot, rad.
+        travel: direction of travel so far, rad, world frame.
+        comfortable_gap, static_weight, reverse_cost, change_cost: settings.
+    """
+    costs = np.empty(len(gaps))
+    for i in range(len(gaps)):
+        cost = static_weight * max(comfortable_gap - gaps[i], 0.0)
+        if speed[i] < 0.0:
+            cost += reverse_cost
+        turn = abs((direction[i] + yaw - travel + pi) % (2 * pi) - pi)
+        costs[i] = cost + change_cost * turn
+    return costs
