@@ -5,7 +5,7 @@ held against the scan and against the predicted motion of what moves; the three 
 the gate judges the chosen next position and may have the alternative of lowest risk taken instead.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import atan2, cos, hypot, inf, sin
 from typing import ClassVar, Literal
 
@@ -102,9 +102,9 @@ class MultilayerPlanner:
             next_position=next_position,
             behaviour=_behaviour(chosen, motions, outlook, alone, heading, dock, perception),
             inputs=verdict.inputs,
-            risk=float(verdict.risks[chosen]),
+            risk=float(candidates.risk[chosen]),
             vetoed=verdict.vetoed,
-            candidates=replace(candidates, risk=verdict.risks),
+            candidates=candidates,
             subgoal=subgoal,
             give_up=self._give_up(observation, heading),
         )
@@ -163,17 +163,17 @@ class MultilayerPlanner:
         pose: Pose2D,
         perception: Perception,
     ) -> "_Verdict":
-        """Applies the gate to the chosen next position."""
-        risks = np.full(len(candidates.cost), np.nan)
+        """Applies the gate to the chosen next position; notes the risks that it has to know."""
+        risks = candidates.risk
         if self._gate is None:
-            return _Verdict(chosen, risks, None, False)
+            return _Verdict(chosen, None, False)
         travel = motions.direction + pose.yaw
         pick = np.array([chosen])
         inputs = as_fuzzy_inputs(self._distances(pick, candidates, travel, perception)[0])
         risks[chosen] = self._gate.risk(inputs)
         pool = np.flatnonzero(candidates.admissible)
         if self._gate.accepts(float(risks[chosen])) or len(pool) == 0:
-            return _Verdict(chosen, risks, inputs, False)
+            return _Verdict(chosen, inputs, False)
         if not perception.anything_moves:
             # Nothing moves: the gate may slow the robot, but a way back out is no alternative.
             cost = candidates.cost
@@ -185,10 +185,10 @@ class MultilayerPlanner:
         worth = np.where(np.isnan(risks[pool]), np.inf, risks[pool])
         if np.isinf(worth).all():
             # No rule speaks of any alternative: nothing is known to be safe, so stand still.
-            return _Verdict(len(risks) - 1, risks, inputs, True)
+            return _Verdict(len(risks) - 1, inputs, True)
         best = int(np.lexsort((candidates.cost[pool], worth.round(1)))[0])
         taken = int(pool[best])
-        return _Verdict(taken, risks, as_fuzzy_inputs(alternatives[best]), taken != chosen)
+        return _Verdict(taken, as_fuzzy_inputs(alternatives[best]), taken != chosen)
 
     def _distances(
         self, rows: np.ndarray, candidates: CandidateSet, travel: FloatArray, seen: Perception
@@ -237,10 +237,9 @@ class MultilayerPlanner:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Verdict:
-    """The gate's verdict: what is taken, all risks known (m,), its inputs, whether it changed."""
+    """The gate's verdict: what is taken, its inputs, whether it changed."""
 
     chosen: int
-    risks: FloatArray
     inputs: FuzzyInputs | None
     vetoed: bool
 
