@@ -174,12 +174,11 @@ class MultilayerPlanner:
         pool = np.flatnonzero(candidates.admissible)
         if self._gate.accepts(float(risks[chosen])) or len(pool) == 0:
             return _Verdict(chosen, inputs, False)
-        if not perception.anything_moves:
-            # Nothing moves: the gate may slow the robot, but a way back out is no alternative.
-            cost = candidates.cost
-            standing_still = min(float(cost[-1]), float(cost[pool].max()))
-            onward = pool[cost[pool] <= (cost[chosen] + standing_still) / 2]
-            pool = onward if len(onward) else pool
+        # The gate may slow the robot, or lead it round, but a way back out is no alternative.
+        cost = candidates.cost
+        standing_still = min(float(cost[-1]), float(cost[pool].max()))
+        onward = pool[cost[pool] <= (cost[chosen] + standing_still) / 2]
+        pool = onward if len(onward) else pool
         alternatives = self._distances(pool, candidates, travel, perception)
         risks[pool] = self._gate.risks(alternatives)
         worth = np.where(np.isnan(risks[pool]), np.inf, risks[pool])

@@ -99,7 +99,7 @@ def divide(
         if known > 0:
             _spread(hits, flags[begin:end], owners[begin:end], begin, look)
             if small:
-                _share(owners[begin:end])
+                _share(owners[begin:end], flags[begin:end])
         else:
             moving = (flags[begin:end] == MOVING).sum()
             if small and moving >= max(MOVING_SHARE * (end - begin), 2.0):
@@ -154,16 +154,17 @@ def _spread(hits: Hits, flags: IntArray, owners: IntArray, begin: int, look: Loo
 
 
 @compiled
-def _share(owners: IntArray) -> None:
-    """Gives all of a small group to the movers that own most of it, each hit to the one beside."""
+def _share(owners: IntArray, flags: IntArray) -> None:
+    """Gives all of a small group to the movers that own most of it, each hit to the one beside; but
+    not what moves on a place that none of them claims: it may come out from behind them."""
     count = len(owners)
     if 2 * (owners >= 0).sum() < count:
         return
     for i in range(1, count):
-        if owners[i] < 0:
+        if owners[i] < 0 and flags[i] != MOVING:
             owners[i] = owners[i - 1]
     for i in range(count - 2, -1, -1):
-        if owners[i] < 0:
+        if owners[i] < 0 and flags[i] != MOVING:
             owners[i] = owners[i + 1]
 
 

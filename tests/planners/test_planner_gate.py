@@ -92,7 +92,6 @@ def taken(decision: Decision) -> FloatArray:
     return same
 
 
-# Something moves, so every admissible candidate is an alternative.
 LEAVING = mover([(-0.7, 0.0), (-0.7, 0.05)], (-0.3, 0.0))
 
 
@@ -120,18 +119,29 @@ def test_refused_position_gives_way_to_the_lowest_risk(risk: float) -> None:
 def test_unknown_risk_is_the_worst_of_all() -> None:
     """One alternative is known to be all but certain trouble, of the others nothing is known."""
     others = np.full(200, nan)
-    others[11] = 99.0
+    others[3] = 99.0
     decision = decide(ScriptedGate(nan, others), LEAVING)
     assert decision.vetoed and decision.risk == 99.0
 
 
 def test_of_equal_risks_the_cheapest_is_taken() -> None:
-    others = np.array([80.0] * 9 + [60.0])
+    others = np.array([80.0, 80.0, 60.0])
     decision = decide(ScriptedGate(90.0, others), LEAVING)
     candidates = weighed(decision)
     least = candidates.risk == 60.0
-    assert least.sum() > 3
+    assert least.sum() >= 3
     assert candidates.cost[taken(decision)].min() == candidates.cost[least].min()
+
+
+@pytest.mark.parametrize("seen", [LEAVING, standing([(-0.5, 0.0), (-0.5, 0.05)])])
+def test_alternatives_lead_on(seen: PerceivedObstacle) -> None:
+    """None costs more than midway between the refused one and standing still, the last one."""
+    decision = decide(ScriptedGate(90.0, np.full(200, 80.0)), seen)
+    candidates = weighed(decision)
+    judged = ~np.isnan(candidates.risk)
+    midway = (candidates.cost.min() + candidates.cost[-1]) / 2
+    assert judged.sum() > 5
+    assert (judged == (candidates.cost <= midway)).all()
 
 
 def test_gate_judges_the_next_position_not_the_present_one() -> None:

@@ -108,6 +108,12 @@ def test_standing_hits_far_from_where_the_mover_should_be_are_none_of_its() -> N
     assert divided("aaaa", "ssss", "0000", centre=0.3) == "ssss"
 
 
+def test_what_comes_out_from_behind_a_mover_is_not_given_to_it() -> None:
+    """Moving hits more than 5 cm from its own, which no mover claims, are new; others are its."""
+    assert divided("a" * 9, "?????mmmm", "00000....", step=0.03) == "000000nnn"
+    assert divided("a" * 9, "?????????", "00000....", step=0.03) == "000000000"
+
+
 def test_a_wall_beside_a_mover_stands() -> None:
     assert divided("a" * 12, "mmmm????ssss", "0000........", step=0.08) == "0000ssssssss"
 
