@@ -38,11 +38,17 @@ def _nearest_gaps(poses: FloatArray, points: FloatArray, half: float) -> FloatAr
     count, columns = poses.shape[:2]
     gaps, placed = np.empty((count, columns)), np.empty((4, columns))
     for i in range(count):
-        for j in range(columns):
-            placed[0, j], placed[1, j] = poses[i, j, 0], poses[i, j, 1]
-            placed[2, j], placed[3, j] = cos(poses[i, j, 2]), sin(poses[i, j, 2])
+        place(placed, poses[i])
         gaps_on_the_way(gaps[i], placed, points, half)
     return gaps
+
+
+@compiled
+def place(placed: FloatArray, poses: FloatArray) -> None:
+    """Fills in `placed` (4, T), as `gaps_on_the_way` takes it, from poses (T, 3)."""
+    for j in range(len(poses)):
+        placed[0, j], placed[1, j] = poses[j, 0], poses[j, 1]
+        placed[2, j], placed[3, j] = cos(poses[j, 2]), sin(poses[j, 2])
 
 
 @compiled

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
-from fuzzynav_mj.planners.clearance import FAR, at_all_times, gaps_on_the_way
+from fuzzynav_mj.planners.clearance import FAR, at_all_times, gaps_on_the_way, place
 from fuzzynav_mj.planners.motions import HORIZON, Motions
 from fuzzynav_mj.planners.passing import JUDGED
 from fuzzynav_mj.planners.settings import DecisionSettings
@@ -115,8 +115,8 @@ def look_ahead(
 
 
 def _over_time(places: FloatArray, turn: FloatArray) -> FloatArray:
-    """(2, k, T) turned points, from places (T, 2, k)."""
-    return np.ascontiguousarray((places.transpose(0, 2, 1) @ turn.T).transpose(2, 1, 0))
+    """(2, k, T) turned points, from places (T, k, 2)."""
+    return np.ascontiguousarray((places @ turn.T).transpose(2, 1, 0))
 
 
 @compiled
@@ -193,9 +193,7 @@ def _prospects(
     placed, gaps, swerved = np.empty((4, periods)), np.empty(periods), np.empty(periods)
     surely_seen = ranges.min() ** 2
     for i in range(count):
-        for j in range(periods):
-            placed[0, j], placed[1, j] = poses[i, j, 0], poses[i, j, 1]
-            placed[2, j], placed[3, j] = cos(poses[i, j, 2]), sin(poses[i, j, 2])
+        place(placed, poses[i])
         gaps_on_the_way(gaps, placed, standing, half_side)
         stop = _stop_in_time(
             found, i, gaps, margins, ranges, surely_seen, turn, brake_steps[i], slowing

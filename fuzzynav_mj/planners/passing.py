@@ -63,7 +63,7 @@ def ways_past(
 
     Args:
         sight: what stands, and what can be seen.
-        expected: (OUTLOOK, 2, k) points of movers at the end of each decision period.
+        expected: (OUTLOOK, k, 2) points of movers at the end of each decision period.
         target: (2,) the subgoal, robot-centred with axes parallel to the world's.
         settings: weights.
     """
@@ -73,7 +73,7 @@ def ways_past(
     value = _value(
         passable,
         ground.axis,
-        np.ascontiguousarray(expected.transpose(0, 2, 1)),
+        expected,
         left_over - hypot(*target.tolist()),
         ground.rim | (left_over < ARRIVED),
         ground.moves,

@@ -24,9 +24,9 @@ class Surroundings:
     Attributes:
         sight: what stands. Rays that a mover stops count as free, or as the outline that goes on
             behind it: it will go away.
-        expected: (OUTLOOK, 2, k) where points of what moves will be at the end of each period, as
+        expected: (OUTLOOK, k, 2) where points of what moves will be at the end of each period, as
             far as its motion can be foreseen ...
-        possible: (HORIZON, 2, j) ... and where else they may be.
+        possible: (HORIZON, j, 2) ... and where else they may be.
         doubt: the largest uncertainty of a mover's speed towards the robot, m/s.
     """
 
@@ -59,8 +59,8 @@ def surroundings(perception: Perception, pose: Pose2D, spec: RobotSpec) -> Surro
             possible.append(else_where)
     return Surroundings(
         Sight(points, bearings, ranges, scan.max_range, hidden),
-        np.concatenate(expected, axis=1).transpose(0, 2, 1),
-        np.concatenate(possible, axis=1).transpose(0, 2, 1),
+        np.concatenate(expected, axis=1),
+        np.concatenate(possible, axis=1),
         max((mover.closing_sigma for mover in movers), default=0.0),
     )
 

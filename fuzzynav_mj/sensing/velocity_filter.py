@@ -27,6 +27,21 @@ END_OUTLIER = 2.0  # standard deviations at which an end of an outline counts ha
 Row = tuple[float, float, float, float]  # of a measurement: what it takes of each of the state
 
 
+class _Fit(NamedTuple):
+    """A round of fitting.
+
+    Attributes:
+        information, evidence: (4, 4) and (4,) of the normal equations, added to in place.
+        guess: (4,) state that the measurements should not contradict.
+        doubt: (4, 4) its covariance.
+    """
+
+    information: FloatArray
+    evidence: FloatArray
+    guess: FloatArray
+    doubt: FloatArray
+
+
 class Beliefs(NamedTuple):
     """How far measured speeds can be trusted.
 
@@ -92,44 +107,34 @@ def taken_in(
     The first `count` of the earlier outlines count, of whose ends the first one's.
     """
     prior = _inverse(covariance)
-    fit, doubt, posterior = state, covariance, covariance
+    guess, doubt, posterior = state, covariance, covariance
     for _ in range(PASSES):
-        information, evidence = prior.copy(), _times(prior, state)
+        fit = _Fit(prior.copy(), _times(prior, state), guess, doubt)
         for k in range(count):
-            _add_surface(information, evidence, fit, doubt, outline, earlier[k], beliefs)
-        _add_ends(information, evidence, fit, doubt, outline, earlier[0], look, beliefs)
-        posterior = _inverse(information)
-        fit, doubt = _times(posterior, evidence), np.zeros((4, 4))
-    return fit, posterior
+            _add_surface(fit, outline, earlier[k], beliefs)
+        _add_ends(fit, outline, earlier[0], look, beliefs)
+        posterior = _inverse(fit.information)
+        guess, doubt = _times(posterior, fit.evidence), np.zeros((4, 4))
+    return guess, posterior
 
 
 @compiled
-def _add_surface(
-    information: FloatArray,
-    evidence: FloatArray,
-    guess: FloatArray,
-    doubt: FloatArray,
-    outline: Outline,
-    before: Outline,
-    beliefs: Beliefs,
-) -> None:
-    """Adds the motion of an outline since an earlier one to the normal equations.
+def _add_surface(fit: _Fit, outline: Outline, before: Outline, beliefs: Beliefs) -> None:
+    """Adds the motion of an outline since an earlier one.
 
     Hits that contradict what is believed count less: they may lie on another face, or another
     obstacle.
 
     Args:
-        information, evidence: (4, 4) and (4,) of the normal equations.
-        guess: (4,) state that the hits should not contradict.
-        doubt: (4, 4) its covariance.
+        fit: to add to.
         outline, before: now and earlier.
         beliefs: see `Track.take_in` in tracking.py.
     """
     elapsed = outline.stamp - before.stamp
     if elapsed <= 0.0:
         return
-    x, y = gone_since(guess, elapsed)
-    unsure = elapsed * sqrt(max(doubt[0, 0], doubt[1, 1]))
+    x, y = gone_since(fit.guess, elapsed)
+    unsure = elapsed * sqrt(max(fit.doubt[0, 0], fit.doubt[1, 1]))
     shift = hold_against(outline, before, x, y, min(REACH + 2.0 * unsure, LARGEST_REACH))
     # Smoothing spreads one hit's noise over its neighbours, so all that the hits tell together
     # is limited by the raw noise over their number.
@@ -141,27 +146,18 @@ def _add_surface(
             spread = beliefs.outlier**2
             doubted = variance + shift.blur[i] ** 2
             rate = shift.distance[i] / elapsed
-            weight = elapsed**2 / doubted * _trust(row, rate, guess, doubt, spread)
-            _add(information, evidence, row, rate, weight)
+            weight = elapsed**2 / doubted * _trust(fit, row, rate, spread)
+            _add(fit, row, rate, weight)
 
 
 @compiled
-def _add_ends(
-    information: FloatArray,
-    evidence: FloatArray,
-    guess: FloatArray,
-    doubt: FloatArray,
-    outline: Outline,
-    before: Outline,
-    look: Look,
-    beliefs: Beliefs,
-) -> None:
+def _add_ends(fit: _Fit, outline: Outline, before: Outline, look: Look, beliefs: Beliefs) -> None:
     """Adds the motion of an outline's ends across the lines of sight to them; the arguments are
     those of `_add_surface`."""
     elapsed = outline.stamp - before.stamp
     if elapsed <= 0.0:
         return
-    x, y = gone_since(guess, elapsed)
+    x, y = gone_since(fit.guess, elapsed)
     variance = (beliefs.outline_sigma / elapsed) ** 2
     for k in range(outline.points.shape[1]):
         for end in range(2):
@@ -178,19 +174,19 @@ def _add_ends(
             moved_y = outline.points[1, k] - before.points[1, j]
             rate = (across_x * moved_x + across_y * moved_y) / elapsed
             row = _row(across_x, across_y, elapsed)
-            trust = _trust(row, rate, guess, doubt, END_OUTLIER**2 * variance)
-            _add(information, evidence, row, rate, trust / variance)
+            trust = _trust(fit, row, rate, END_OUTLIER**2 * variance)
+            _add(fit, row, rate, trust / variance)
 
 
 @compiled
-def _trust(row: Row, value: float, guess: FloatArray, doubt: FloatArray, spread: float) -> float:
+def _trust(fit: _Fit, row: Row, value: float, spread: float) -> float:
     """Share that a measurement counts: half where it lies off the guess by the root of `spread`
     and what the guess is doubted by."""
     off = value
     for a in range(4):
-        off -= row[a] * guess[a]
+        off -= row[a] * fit.guess[a]
         for b in range(4):
-            spread += row[a] * doubt[a, b] * row[b]
+            spread += row[a] * fit.doubt[a, b] * row[b]
     return 1.0 / (1.0 + off * off / spread)
 
 
@@ -202,14 +198,12 @@ def _row(x: float, y: float, elapsed: float) -> Row:
 
 
 @compiled
-def _add(
-    information: FloatArray, evidence: FloatArray, row: Row, value: float, weight: float
-) -> None:
+def _add(fit: _Fit, row: Row, value: float, weight: float) -> None:
     """Adds one measurement to the normal equations."""
     for a in range(4):
-        evidence[a] += weight * row[a] * value
+        fit.evidence[a] += weight * row[a] * value
         for b in range(4):
-            information[a, b] += weight * row[a] * row[b]
+            fit.information[a, b] += weight * row[a] * row[b]
 
 
 @compiled

@@ -31,8 +31,8 @@ def outlook(
     stays = [nothing if points is None else points for points in (expected, possible)]
     around = Surroundings(
         Sight(nothing if standing is None else standing, BEARINGS, np.full(180, 0.8), 0.8),
-        np.tile(stays[0].T, (OUTLOOK, 1, 1)),
-        np.tile(stays[1].T, (HORIZON, 1, 1)),
+        np.tile(stays[0], (OUTLOOK, 1, 1)),
+        np.tile(stays[1], (HORIZON, 1, 1)),
         doubt,
     )
     return look_ahead(motions, around, ORIGIN, SPEC, SETTINGS)

@@ -14,7 +14,7 @@ from fuzzynav_mj.types import FloatArray
 
 RANGE = 0.8
 SETTINGS = DecisionSettings()
-NO_MOVERS = np.empty((OUTLOOK, 2, 0))
+NO_MOVERS = np.empty((OUTLOOK, 0, 2))
 
 
 def in_sight(*points: tuple[float, float]) -> Sight:
@@ -25,9 +25,9 @@ def in_sight(*points: tuple[float, float]) -> Sight:
 
 
 def moving(start: tuple[float, float], velocity: tuple[float, float]) -> FloatArray:
-    """The expected places of one point, (OUTLOOK, 2, 1)."""
+    """The expected places of one point, (OUTLOOK, 1, 2)."""
     times = 0.1 * np.arange(1, OUTLOOK + 1)
-    return (np.array(start) + times[:, None] * np.array(velocity))[:, :, None]
+    return (np.array(start) + times[:, None] * np.array(velocity))[:, None]
 
 
 def at(passing: Passing, x: float, y: float) -> float:
@@ -90,7 +90,7 @@ def test_another_mover_makes_no_place_cheaper(
 ) -> None:
     target = np.array([1.0, 0.5])
     one = moving((0.4, 0.4), (-0.3, 0.0))
-    both = np.concatenate((one, moving(start, velocity)), axis=2)
+    both = np.concatenate((one, moving(start, velocity)), axis=1)
     few = ways_past(in_sight(), one, target, SETTINGS).value
     more = ways_past(in_sight(), both, target, SETTINGS).value
     assert (more >= few - 1e-12).all()
