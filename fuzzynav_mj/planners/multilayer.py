@@ -19,6 +19,7 @@ from fuzzynav_mj.planners.motions import Motions, candidate_motions
 from fuzzynav_mj.planners.outlook import Outlook, look_ahead
 from fuzzynav_mj.planners.passing import JUDGED, Passing, ways_past
 from fuzzynav_mj.planners.priorities import closest_approach, secondary_costs, step_lengths
+from fuzzynav_mj.planners.scene import scene_around
 from fuzzynav_mj.planners.sectors import as_fuzzy_inputs, sector_distances
 from fuzzynav_mj.planners.settings import DecisionSettings
 from fuzzynav_mj.planners.steering import position_after
@@ -83,7 +84,8 @@ class MultilayerPlanner:
         if dock is not None and dock.turn_to is not None:
             wanted = dock.turn_to - pose.yaw
         motions = candidate_motions(wanted, observation.twist, self._spec)
-        outlook = look_ahead(motions, around, pose, self._spec, self._settings)
+        scene = scene_around(around, pose, self._spec, self._settings)
+        outlook = look_ahead(motions, scene, self._spec, self._settings)
         passing = None
         if perception.anything_moves:
             aim = np.array([subgoal[0] - pose.x, subgoal[1] - pose.y])

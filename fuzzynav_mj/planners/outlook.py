@@ -4,19 +4,19 @@ The speed cap lies here, below the fuzzy gate: a candidate is admissible only if
 short of everything that stands and of everything that this look has not seen.
 """
 
-from math import atan2, ceil, cos, pi, sin, sqrt
+from math import atan2, ceil, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.planners.clearance import FAR, at_all_times, gaps_on_the_way, place
-from fuzzynav_mj.planners.motions import HORIZON, Motions
+from fuzzynav_mj.planners.motions import Motions
 from fuzzynav_mj.planners.passing import JUDGED
+from fuzzynav_mj.planners.scene import Scene
 from fuzzynav_mj.planners.settings import DecisionSettings
-from fuzzynav_mj.planners.surroundings import Surroundings, period_ends
 from fuzzynav_mj.robot import RobotSpec
-from fuzzynav_mj.types import BoolArray, FloatArray, IntArray, Pose2D
+from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
 SOON = 4  # decision periods that count where no candidate keeps clear of what stands
 
@@ -25,7 +25,7 @@ class Outlook(NamedTuple):
     """Prospects of m candidates.
 
     Attributes:
-        poses: (m, HORIZON, 3) robot frame: driving on until just before what stands or
+        poses: (m, T, 3) robot frame: driving on until just before what stands or
             is unseen, and stopped there from then on.
         static: (m,) smallest gap to what stands, m.
         moving: (m,) smallest gap to what moves, m, whichever way it goes on ...
@@ -33,7 +33,7 @@ class Outlook(NamedTuple):
         crowding: (m,) at the worst moment, how much is missing of the berth that movers are given.
         static_ok: (m,) True if the robot can stop in time.
         contact_step: (m,) period of the first contact with a mover that goes on as expected;
-            HORIZON for none.
+            T for none.
         soon: (m,) smallest gap to what stands in the next few periods, without stopping.
         admissible: (m,) True if the whole roll-out, stop included, keeps its margins.
     """
@@ -49,74 +49,30 @@ class Outlook(NamedTuple):
     admissible: BoolArray
 
 
-class _Movers(NamedTuple):
-    """What moves, and how far to keep away from it in each of T periods.
-
-    Attributes:
-        expected: (2, k, T) points as far as their motion can be foreseen, robot frame ...
-        possible: (2, j, T) ... and where else they may be.
-        wanted: (T,) gap that an admissible candidate keeps to the former, m ...
-        unlikely: (T,) ... and to the latter.
-        berth: (T,) gap below which a candidate costs more.
-        contact: a smaller gap counts as contact, m.
-    """
-
-    expected: FloatArray
-    possible: FloatArray
-    wanted: FloatArray
-    unlikely: FloatArray
-    berth: FloatArray
-    contact: float
-
-
 def look_ahead(
-    motions: Motions,
-    around: Surroundings,
-    pose: Pose2D,
-    spec: RobotSpec,
-    settings: DecisionSettings,
+    motions: Motions, scene: Scene, spec: RobotSpec, settings: DecisionSettings
 ) -> Outlook:
-    """Rolls the candidates on."""
-    c, s = cos(pose.yaw), sin(pose.yaw)
-    to_robot = np.array([[c, s], [-s, c]])
-    times = period_ends(spec)
-    standing = around.sight.points @ to_robot.T
-    wanted = settings.moving_margin + settings.moving_margin_growth * times
-    share = min(max(around.doubt / settings.doubtful, settings.unlikely_share), 1.0)
-    movers = _Movers(
-        expected=_over_time(around.expected[:HORIZON], to_robot),
-        possible=_over_time(around.possible, to_robot),
-        wanted=wanted,
-        unlikely=share * wanted,
-        berth=settings.moving_gap
-        + settings.moving_gap_growth * np.minimum(times, settings.moving_gap_time),
-        contact=settings.contact_gap,
+    """Rolls the candidates on, through all of the scene's periods."""
+    margins = _margins(
+        motions.speed,
+        scene.standing,
+        scene.times,
+        spec.half_side,
+        settings.static_margin,
+        settings.static_margin_growth,
+        settings.static_recovery,
+        settings.creeping_speed,
     )
     return _prospects(
         motions.poses,
-        at_all_times(standing, HORIZON),
-        _margins(
-            motions.speed,
-            standing,
-            times,
-            spec.half_side,
-            settings.static_margin,
-            settings.static_margin_growth,
-            settings.static_recovery,
-            settings.creeping_speed,
-        ),
-        around.sight.ranges,
-        pose.yaw - float(around.sight.bearings[0]),
+        at_all_times(scene.standing, len(scene.times)),
+        margins,
         motions.brake_steps,
+        scene,
         spec.max_yaw_acceleration * spec.decision_period**2,
-        movers,
+        settings.contact_gap,
         spec.half_side,
     )
-
-
-def _over_time(places: FloatArray, turn: FloatArray) -> FloatArray:
-    """(2, k, T) turned points, from places (T, k, 2)."""
-    return np.ascontiguousarray((places @ turn.T).transpose(2, 1, 0))
 
 
 @compiled
@@ -158,24 +114,22 @@ def _prospects(
     poses: FloatArray,
     standing: FloatArray,
     margins: FloatArray,
-    ranges: FloatArray,
-    turn: float,
     brake_steps: IntArray,
+    scene: Scene,
     slowing: float,
-    movers: _Movers,
+    contact: float,
     half_side: float,
 ) -> Outlook:
     """What becomes of candidates that stop before what stands or is unseen.
 
     Args:
         poses: (m, T, 3) robot frame.
-        standing: (2, k, T) points of what stands, robot frame.
-        margins: (m, T) that must be kept to it.
-        ranges: (n,) of the rays.
-        turn: bearing of the robot's own axis from the first ray, rad.
+        standing: (2, k, T) the scene's points.
+        margins: (m, T) that must be kept to them.
         brake_steps: (m,) periods it takes to stop driving.
+        scene: what they are held against.
         slowing: by which a turn per period can slow down in a period, rad.
-        movers: what moves.
+        contact: a smaller gap to movers counts as contact, m.
         half_side: of the footprint, m.
     """
     count, periods = poses.shape[:2]
@@ -191,19 +145,17 @@ def _prospects(
         np.empty(count, dtype=np.bool_),
     )
     placed, gaps, swerved = np.empty((4, periods)), np.empty(periods), np.empty(periods)
-    surely_seen = ranges.min() ** 2
+    surely_seen = scene.ranges.min() ** 2
     for i in range(count):
         place(placed, poses[i])
         gaps_on_the_way(gaps, placed, standing, half_side)
-        stop = _stop_in_time(
-            found, i, gaps, margins, ranges, surely_seen, turn, brake_steps[i], slowing
-        )
+        stop = _stop_in_time(found, i, gaps, margins, scene, surely_seen, brake_steps[i], slowing)
         found.poses[i, stop + 1 :] = poses[i, stop]
         for row in range(4):
             placed[row, stop + 1 :] = placed[row, stop]
-        gaps_on_the_way(gaps, placed, movers.expected, half_side)
-        gaps_on_the_way(swerved, placed, movers.possible, half_side)
-        _meet_movers(found, i, gaps, swerved, movers)
+        gaps_on_the_way(gaps, placed, scene.expected, half_side)
+        gaps_on_the_way(swerved, placed, scene.possible, half_side)
+        _meet_movers(found, i, gaps, swerved, scene, contact)
     return found
 
 
@@ -213,9 +165,8 @@ def _stop_in_time(
     i: int,
     gaps: FloatArray,
     margins: FloatArray,
-    ranges: FloatArray,
+    scene: Scene,
     surely_seen: float,
-    turn: float,
     brake_steps: int,
     slowing: float,
 ) -> int:
@@ -226,7 +177,7 @@ def _stop_in_time(
         found: the prospects, `poses` still without a stop.
         gaps: (T,) to what stands, m.
         surely_seen: squared distance up to which all is seen, m2.
-        margins, ranges, turn, slowing: as in `_prospects`.
+        margins, scene, slowing: as in `_prospects`.
         brake_steps: the candidate's.
     """
     stop = len(gaps) - 1
@@ -234,8 +185,9 @@ def _stop_in_time(
         x, y, yaw = found.poses[i, j]
         blocked = gaps[j] < margins[i, j]
         if not blocked and x * x + y * y > surely_seen:
-            ray = round((atan2(y, x) + turn) * (len(ranges) / (2 * pi))) % len(ranges)
-            blocked = x * x + y * y > ranges[ray] ** 2
+            rays = len(scene.ranges)
+            ray = round((atan2(y, x) + scene.turn) * (rays / (2 * pi))) % rays
+            blocked = x * x + y * y > scene.ranges[ray] ** 2
         if blocked:
             before = found.poses[i, j - 1, 2] if j > 0 else 0.0
             spin_steps = ceil(abs(yaw - before) / slowing - 1e-3)
@@ -250,7 +202,7 @@ def _stop_in_time(
 
 @compiled
 def _meet_movers(
-    found: Outlook, i: int, gaps: FloatArray, swerved: FloatArray, movers: _Movers
+    found: Outlook, i: int, gaps: FloatArray, swerved: FloatArray, scene: Scene, contact: float
 ) -> None:
     """Holds candidate `i` against what moves, which comes near it in each period by the gaps (T,)
     if it goes on as expected, and by `swerved` (T,) if not, m; fills in `moving`, `expected`,
@@ -258,11 +210,11 @@ def _meet_movers(
     kept = found.static_ok[i]
     for j in range(len(gaps)):
         gap, nearest = gaps[j], min(gaps[j], swerved[j])
-        kept = kept and gap >= movers.wanted[j] and swerved[j] >= movers.unlikely[j]
-        if gap < movers.contact:
+        kept = kept and gap >= scene.wanted[j] and swerved[j] >= scene.unlikely[j]
+        if gap < contact:
             found.contact_step[i] = min(found.contact_step[i], j)
         found.expected[i] = min(found.expected[i], gap)
         found.moving[i] = min(found.moving[i], nearest)
         if j < JUDGED:
-            found.crowding[i] = max(found.crowding[i], movers.berth[j] - nearest)
+            found.crowding[i] = max(found.crowding[i], scene.berth[j] - nearest)
     found.admissible[i] = kept

@@ -8,6 +8,7 @@ import pytest
 from fuzzynav_mj.planners.motions import HORIZON, Motions, candidate_motions
 from fuzzynav_mj.planners.outlook import Outlook, look_ahead
 from fuzzynav_mj.planners.passing import OUTLOOK
+from fuzzynav_mj.planners.scene import scene_around
 from fuzzynav_mj.planners.settings import DecisionSettings
 from fuzzynav_mj.planners.sight import Sight
 from fuzzynav_mj.planners.surroundings import Surroundings
@@ -35,7 +36,7 @@ def outlook(
         np.tile(stays[1], (HORIZON, 1, 1)),
         doubt,
     )
-    return look_ahead(motions, around, ORIGIN, SPEC, SETTINGS)
+    return look_ahead(motions, scene_around(around, ORIGIN, SPEC, SETTINGS), SPEC, SETTINGS)
 
 
 def straight_on(motions: Motions, speed: float) -> int:
