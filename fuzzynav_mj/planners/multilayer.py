@@ -14,12 +14,13 @@ import numpy as np
 from fuzzynav_mj.fuzzy.risk import RiskGate
 from fuzzynav_mj.planners.arrival import Docking, docking
 from fuzzynav_mj.planners.base import NavigationProblem, Observation, Requirements
+from fuzzynav_mj.planners.evasion import lasting
 from fuzzynav_mj.planners.guidance import Guidance, Heading
 from fuzzynav_mj.planners.motions import Motions, candidate_motions
 from fuzzynav_mj.planners.outlook import Outlook, look_ahead
 from fuzzynav_mj.planners.passing import JUDGED, Passing, ways_past
 from fuzzynav_mj.planners.priorities import closest_approach, secondary_costs, step_lengths
-from fuzzynav_mj.planners.scene import scene_around
+from fuzzynav_mj.planners.scene import Scene, scene_around
 from fuzzynav_mj.planners.sectors import as_fuzzy_inputs, sector_distances
 from fuzzynav_mj.planners.settings import DecisionSettings
 from fuzzynav_mj.planners.steering import position_after
@@ -92,7 +93,7 @@ class MultilayerPlanner:
             passing = ways_past(around.sight, around.expected, aim, self._settings)
         cost, alone = self._costs(motions, outlook, target, pose, dock, passing)
         candidates = _candidates(motions, outlook, cost, pose)
-        first = _choose(cost, outlook, self._kept(motions, pose))
+        first = self._choose(cost, outlook, scene, self._kept(motions, pose))
         verdict = self._judge(first, motions, candidates, pose, perception)
         chosen = verdict.chosen
         self._travel = float(motions.direction[chosen]) + pose.yaw
@@ -156,6 +157,20 @@ class MultilayerPlanner:
         travelled = step_lengths(outlook.poses, JUDGED).sum(axis=1)
         cost += settings.passing_length * travelled + settings.moving_weight * outlook.crowding
         return cost, alone
+
+    def _choose(self, cost: FloatArray, outlook: Outlook, scene: Scene, kept: BoolArray) -> int:
+        """The cheapest admissible candidate; none: the one that stays clear the longest.
+
+        Who evades keeps on (m,) `kept` unless another way stays clear for longer by more than a
+        period: turning to and fro between ways out takes away the time for any of them.
+        """
+        if outlook.admissible.any():
+            return int(np.where(outlook.admissible, cost, np.inf).argmin())
+        if outlook.static_ok.any():
+            clear, room = lasting(outlook, scene, self._spec, self._settings)
+            order = np.lexsort((cost, -room.round(2), -clear - EVASION_BONUS * kept))
+            return int(order[outlook.static_ok[order]][0])
+        return int(outlook.soon.argmax())
 
     def _judge(
         self,
@@ -243,23 +258,6 @@ class _Verdict:
     chosen: int
     inputs: FuzzyInputs | None
     vetoed: bool
-
-
-def _choose(cost: FloatArray, outlook: Outlook, kept: BoolArray) -> int:
-    """The cheapest admissible candidate; none: the one that stays clear the longest.
-
-    Who evades keeps on (m,) `kept` unless another way stays clear for longer by more than a
-    period: turning to and fro between ways out takes away the time for any of them.
-    """
-    if outlook.admissible.any():
-        return int(np.where(outlook.admissible, cost, np.inf).argmin())
-    if outlook.static_ok.any():
-        # In a pinch the worst case is contact for most: then what is expected makes the difference.
-        room = np.minimum(outlook.static, (outlook.moving + outlook.expected) / 2)
-        clear = outlook.contact_step + EVASION_BONUS * kept
-        order = np.lexsort((cost, -room.round(2), -clear))
-        return int(order[outlook.static_ok[order]][0])
-    return int(outlook.soon.argmax())
 
 
 def _candidates(motions: Motions, outlook: Outlook, cost: FloatArray, pose: Pose2D) -> CandidateSet:
