@@ -1,10 +1,8 @@
 """Where the hits of moving obstacles will be: the paper's predicted future trajectories, Eq. (14).
 
 A mover may keep turning as it turns now, turn more to either side, or go straight on; a candidate
-must stay clear of all of these. What bounds a turn is the sideways acceleration: a fast mover goes
-round a wide bend, a slow one turns on the spot and gets nowhere. How far one can swerve within the
-time that the robot needs to react is what counts: later the robot will have looked and decided
-again. A mover whose speed
+must stay clear of all of these. How far one can swerve within the time that the robot needs to
+react is what counts: later the robot will have looked and decided again. A mover whose speed
 towards the robot is still uncertain is also thought of as coming faster, and one whose direction
 noise makes uncertain as going astray to either side.
 """
@@ -18,7 +16,6 @@ from fuzzynav_mj.types import FloatArray, PerceivedObstacle
 
 SWERVE = 0.5  # m/s2: sideways acceleration that a mover may add to what is seen of it
 SWERVE_TIME = 0.8  # s: for so long
-SLOWEST = 0.05  # m/s: slower movers turn no faster than this
 TURNING = 0.3  # rad/s: a slower turn is as good as straight
 UNCERTAIN = 0.12  # m/s: a smaller uncertainty of the closing speed is not worth a thought
 LARGEST_SURPRISE = 0.5  # m/s
@@ -59,33 +56,24 @@ def _displacements(
     ways = np.empty((3 + turns + surprises, len(times), 2))
     speed, distance = max(hypot(vx, vy), 1e-9), max(hypot(x, y), 1e-9)
     surprise = min(closing_sigma, LARGEST_SURPRISE)
-    more = SWERVE / max(speed, SLOWEST)
     for k in range(len(times)):
         t = times[k]
-        forth_x, forth_y = _on_arc(vx, vy, turn_rate, t)
+        forth_x, forth_y = t * vx, t * vy
+        if abs(turn_rate) >= 1e-3:  # on an arc
+            angle = turn_rate * t
+            along, across = sin(angle) / turn_rate, (1.0 - cos(angle)) / turn_rate
+            forth_x, forth_y = along * vx - across * vy, across * vx + along * vy
         ways[0, k] = forth_x, forth_y
         way = 1
         if turns:
             ways[way, k] = t * vx, t * vy
             way += 1
+        aside = 0.5 * SWERVE * t * t + drift * t if t <= SWERVE_TIME + 1e-9 else 0.0
         for side in (1.0, -1.0):
-            ways[way, k] = forth_x, forth_y
-            if t <= SWERVE_TIME + 1e-9:
-                aside_x, aside_y = _on_arc(vx, vy, turn_rate + side * more, t)
-                astray = side * drift * t / speed
-                ways[way, k] = aside_x - astray * vy, aside_y + astray * vx
+            swerve = side * aside / speed
+            ways[way, k] = forth_x - swerve * vy, forth_y + swerve * vx
             way += 1
         if surprises:
             share = t * surprise / distance
             ways[way, k] = forth_x + share * x, forth_y + share * y
     return ways
-
-
-@compiled
-def _on_arc(vx: float, vy: float, turn_rate: float, t: float) -> tuple[float, float]:
-    """How far a mover gets whose velocity (vx, vy) turns, m."""
-    if abs(turn_rate) < 1e-3:
-        return t * vx, t * vy
-    angle = turn_rate * t
-    along, across = sin(angle) / turn_rate, (1.0 - cos(angle)) / turn_rate
-    return along * vx - across * vy, across * vx + along * vy

