@@ -48,20 +48,26 @@ def lasting(
 
 
 def room_left(outlook: Outlook) -> FloatArray:
-    """(m,) m. The worst case is contact for most: then what is expected makes the difference."""
-    room: FloatArray = np.minimum(outlook.static, (outlook.moving + outlook.expected) / 2)
+    """(m,) m."""
+    return _room(outlook.static, outlook.moving, outlook.expected)
+
+
+def _room(static: FloatArray, moving: FloatArray, expected: FloatArray) -> FloatArray:
+    """Of the gaps (m,) of an outlook. The worst case is contact for most: then what is expected
+    makes the difference."""
+    room: FloatArray = np.minimum(static, (moving + expected) / 2)
     return room
 
 
-def _room_during(poses: FloatArray, scene: Scene, spec: RobotSpec) -> float:
-    """`room_left` during a first move (T, 3), m."""
+def _room_during(poses: FloatArray, scene: Scene, spec: RobotSpec) -> FloatArray:
+    """(1,) `room_left` during a first move (T, 3), m."""
     move, half_side = poses[None, :FIRST_MOVE], spec.half_side
+    static = static_clearance(move, scene.standing, half_side).min(axis=1)
     expected, possible = (
-        float(moving_clearance(move, points[..., :FIRST_MOVE].transpose(2, 0, 1), half_side).min())
+        moving_clearance(move, points[..., :FIRST_MOVE].transpose(2, 0, 1), half_side).min(axis=1)
         for points in (scene.expected, scene.possible)
     )
-    static = float(static_clearance(move, scene.standing, half_side).min())
-    return min(static, (min(expected, possible) + expected) / 2)
+    return _room(static, np.minimum(expected, possible), expected)
 
 
 def _moves_after(poses: FloatArray, spec: RobotSpec) -> Motions:
@@ -73,6 +79,7 @@ def _moves_after(poses: FloatArray, spec: RobotSpec) -> Motions:
     motions = candidate_motions(0.0, twist, spec)
     steps = motions.poses[::EVERY, : len(poses) - FIRST_MOVE]
     turned = steps @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    # Copies, for compiled functions are made anew for every layout.
     return Motions(
         turned + np.array([x, y, yaw]),
         motions.speeds[::EVERY].copy(),
