@@ -5,29 +5,21 @@ from math import pi
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from point_scene import SETTINGS, scene_of
 
 from fuzzynav_mj.planners.evasion import lasting, room_left
 from fuzzynav_mj.planners.motions import HORIZON, candidate_motions
 from fuzzynav_mj.planners.outlook import Outlook, look_ahead
 from fuzzynav_mj.planners.passing import OUTLOOK
-from fuzzynav_mj.planners.scene import Scene, scene_around
-from fuzzynav_mj.planners.settings import DecisionSettings
-from fuzzynav_mj.planners.sight import Sight
-from fuzzynav_mj.planners.surroundings import Surroundings
+from fuzzynav_mj.planners.scene import Scene
 from fuzzynav_mj.robot import DEFAULT_ROBOT as SPEC
-from fuzzynav_mj.types import FloatArray, Pose2D, Twist2D
-
-SETTINGS = DecisionSettings()
-BEARINGS = np.linspace(-pi, pi, 180, endpoint=False)
+from fuzzynav_mj.types import FloatArray, Twist2D
 
 
 def pinch(expected: FloatArray, standing: FloatArray) -> tuple[Outlook, Scene]:
     """Prospects of a robot that stands still, among points (k, 2) that stand, and points
     (OUTLOOK, k, 2) of movers."""
-    around = Surroundings(
-        Sight(standing, BEARINGS, np.full(180, 0.8), 0.8), expected, expected[:HORIZON], 0.0
-    )
-    scene = scene_around(around, Pose2D(0.0, 0.0, 0.0), SPEC, SETTINGS)
+    scene = scene_of(standing, expected, expected[:HORIZON])
     motions = candidate_motions(0.0, Twist2D(0.0, 0.0), SPEC)
     return look_ahead(motions, scene, SPEC, SETTINGS), scene
 

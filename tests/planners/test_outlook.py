@@ -4,20 +4,13 @@ from math import pi
 
 import numpy as np
 import pytest
+from point_scene import SETTINGS, scene_of
 
 from fuzzynav_mj.planners.motions import HORIZON, Motions, candidate_motions
 from fuzzynav_mj.planners.outlook import Outlook, look_ahead
 from fuzzynav_mj.planners.passing import OUTLOOK
-from fuzzynav_mj.planners.scene import scene_around
-from fuzzynav_mj.planners.settings import DecisionSettings
-from fuzzynav_mj.planners.sight import Sight
-from fuzzynav_mj.planners.surroundings import Surroundings
 from fuzzynav_mj.robot import DEFAULT_ROBOT as SPEC
-from fuzzynav_mj.types import FloatArray, Pose2D, Twist2D
-
-SETTINGS = DecisionSettings()
-ORIGIN = Pose2D(0.0, 0.0, 0.0)
-BEARINGS = np.arange(180) * (2 * pi / 180) - pi
+from fuzzynav_mj.types import FloatArray, Twist2D
 
 
 def outlook(
@@ -28,15 +21,11 @@ def outlook(
     doubt: float = 0.0,
 ) -> Outlook:
     """Among points that stand (k, 2), and points that stay where movers are and may be (k, 2)."""
-    nothing = np.empty((0, 2))
-    stays = [nothing if points is None else points for points in (expected, possible)]
-    around = Surroundings(
-        Sight(nothing if standing is None else standing, BEARINGS, np.full(180, 0.8), 0.8),
-        np.tile(stays[0], (OUTLOOK, 1, 1)),
-        np.tile(stays[1], (HORIZON, 1, 1)),
-        doubt,
+    stands, is_there, may_be = (
+        np.empty((0, 2)) if points is None else points for points in (standing, expected, possible)
     )
-    return look_ahead(motions, scene_around(around, ORIGIN, SPEC, SETTINGS), SPEC, SETTINGS)
+    stays = np.tile(is_there, (OUTLOOK, 1, 1)), np.tile(may_be, (HORIZON, 1, 1))
+    return look_ahead(motions, scene_of(stands, *stays, doubt), SPEC, SETTINGS)
 
 
 def straight_on(motions: Motions, speed: float) -> int:
