@@ -116,9 +116,10 @@ def keyframe_motion(
         gap = float(np.hypot(*(points[0] - points[-1])))
         if gap > 0.0:
             length = float(np.hypot(*np.diff(points, axis=0).T).sum())
-            back = gap * float(times[-1] - times[0]) / length
-            times = np.append(times, times[-1] + back)
-            points = np.vstack([points, points[:1]])
+            there = times[-1] + gap * float(times[-1] - times[0]) / length
+            if there > times[-1]:  # a gap of next to nothing takes no time
+                times = np.append(times, there)
+                points = np.vstack([points, points[:1]])
     tangents = None
     if interpolation == "catmull-rom":
         tangents = _catmull_rom_tangents(times, points, closed=repeat == "loop")

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from fuzzynav_mj.scenarios.motion import (
@@ -97,6 +97,8 @@ frames_lists = st.lists(
 
 
 @settings(max_examples=60, deadline=None)
+@example([(1.0, 1e-229, 0.0), (1.0, 0.0, 1.0), (1.0, 0.0, 0.0)], "catmull-rom", "loop", 0.0)
+@example([(1.0, 1e-18, 0.0), (1.0, 0.0, 1.0), (1.0, 0.0, 0.0)], "linear", "loop", 0.0)
 @given(
     frames_lists,
     st.sampled_from(["linear", "catmull-rom"]),
