@@ -19,6 +19,8 @@ LARGEST_SEED = 2**63 - 1  # the seeds are a column of 64-bit integers
 LARGEST_COUNT = 1_000_000
 LARGEST_JOBS = 1024
 
+PLANNER = "as `fuzzynav list planners` names it, or FILE.py:CLASS"
+
 
 class UsageError(FuzzyNavError):
     """Arguments that the command line does not take."""
@@ -31,6 +33,17 @@ def add_scenarios(parser: argparse.ArgumentParser) -> None:
         metavar="SCENARIO",
         nargs="*",
         help="names of the library or files; the paper's four by default",
+    )
+
+
+def add_planners(parser: argparse.ArgumentParser, default: str) -> None:
+    """Adds `--planner`, one or more; `default` says in words which ones no name stands for."""
+    parser.add_argument(
+        "--planner",
+        metavar="NAME",
+        nargs="+",
+        action="extend",
+        help=f"{PLANNER}; default: {default}",
     )
 
 

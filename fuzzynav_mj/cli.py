@@ -13,10 +13,12 @@ from typing import Any, NoReturn
 
 from fuzzynav_mj import __version__
 from fuzzynav_mj.arguments import (
+    PLANNER,
     UsageError,
     add_disturbance,
     add_episodes,
     add_jobs,
+    add_planners,
     add_scenarios,
     add_seed,
     disturbance_of,
@@ -29,7 +31,6 @@ BAD_INPUT = 2
 INTERRUPTED = 130  # as shells say that a process ended by Ctrl-C
 BROKEN_PIPE = 141
 
-PLANNER_HELP = "as `fuzzynav list planners` names it, or FILE.py:CLASS; default: fuzzy"
 EXIT_STATUS = (
     "exit status: 0 the goal was reached without contact (run), every episode was run (bench, "
     "reproduce), every file is good (check); 1 otherwise; 2 bad input"
@@ -106,7 +107,9 @@ def _parser() -> argparse.ArgumentParser:
 
 def _add_run(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scenario", metavar="SCENARIO", help="a name of the library or a file")
-    parser.add_argument("--planner", metavar="NAME", default="fuzzy", help=PLANNER_HELP)
+    parser.add_argument(
+        "--planner", metavar="NAME", default="fuzzy", help=f"{PLANNER}; default: fuzzy"
+    )
     add_seed(parser)
     parser.add_argument("--rrd", metavar="FILE", type=Path, help="write a Rerun recording")
     parser.add_argument("--json", action="store_true", help="print the record as one JSON object")
@@ -131,7 +134,7 @@ def _run(arguments: argparse.Namespace) -> int:
 
 def _add_bench(parser: argparse.ArgumentParser) -> None:
     add_scenarios(parser)
-    parser.add_argument("--planner", metavar="NAME", nargs="+", action="extend", help=PLANNER_HELP)
+    add_planners(parser, default="fuzzy")
     add_episodes(parser, episodes=10, seed=0)
     add_jobs(parser)
     parser.add_argument(
@@ -185,13 +188,7 @@ def _report(arguments: argparse.Namespace) -> int:
 
 
 def _add_reproduce(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--planner",
-        metavar="NAME",
-        nargs="+",
-        action="extend",
-        help="as `fuzzynav list planners` names it, or FILE.py:CLASS; default: every built-in one",
-    )
+    add_planners(parser, default="every built-in one")
     add_episodes(parser, episodes=100, seed=1000)
     add_jobs(parser)
     parser.add_argument(
