@@ -9,7 +9,7 @@ from math import cos, sin
 
 import numpy as np
 
-from fuzzynav_mj.planners.clearance import moving_clearance, static_clearance
+from fuzzynav_mj.planners.clearance import facings, moving_clearance, static_clearance
 from fuzzynav_mj.planners.motions import Motions, candidate_motions
 from fuzzynav_mj.planners.outlook import Outlook, look_ahead
 from fuzzynav_mj.planners.scene import Scene
@@ -79,9 +79,11 @@ def _moves_after(poses: FloatArray, spec: RobotSpec) -> Motions:
     motions = candidate_motions(0.0, twist, spec)
     steps = motions.poses[::EVERY, : len(poses) - FIRST_MOVE]
     turned = steps @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    turned += np.array([x, y, yaw])
     # Copies, for compiled functions are made anew for every layout.
     return Motions(
-        turned + np.array([x, y, yaw]),
+        turned,
+        facings(turned),
         motions.speeds[::EVERY].copy(),
         motions.speed[::EVERY].copy(),
         motions.direction[::EVERY].copy(),

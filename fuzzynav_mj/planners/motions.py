@@ -6,7 +6,7 @@ the present yaw rate, so headings come from a table; speeds and places are rolle
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import pi
+from math import cos, pi, sin
 
 import numpy as np
 
@@ -37,6 +37,7 @@ class Motions:
 
     Attributes:
         poses: (m, HORIZON, 3) x, y of the footprint's centre and yaw, after each period.
+        facing: (m, HORIZON, 2) cosine and sine of that yaw.
         speeds: (m, 2) forward speed and yaw rate after the first one, m/s and rad/s.
         speed: (m,) speed aimed at, m/s, negative in reverse.
         direction: (m,) direction of travel aimed at, rad.
@@ -45,6 +46,7 @@ class Motions:
     """
 
     poses: FloatArray
+    facing: FloatArray
     speeds: FloatArray
     speed: FloatArray
     direction: FloatArray
@@ -63,7 +65,7 @@ def candidate_motions(wanted: float, twist: Twist2D, spec: RobotSpec) -> Motions
     aims, table = _aims(spec), _headings(spec)
     classes = len(table.courses) // 2
     kind = min(max(round(twist.omega / YAW_RATE_CLASS), -classes), classes) + classes
-    poses, speeds, direction = _drive(
+    poses, facing, speeds, direction = _drive(
         table.courses[kind],
         table.rate[kind],
         round(wanted / TURN_STEP),
@@ -74,7 +76,7 @@ def candidate_motions(wanted: float, twist: Twist2D, spec: RobotSpec) -> Motions
         table.span,
         table.whole,
     )
-    return Motions(poses, speeds, aims.speed, direction, aims.brake_steps, aims.on_the_spot)
+    return Motions(poses, facing, speeds, aims.speed, direction, aims.brake_steps, aims.on_the_spot)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,9 +124,9 @@ class _Headings:
         span: (steps,) length of each time step, s.
         whole: (HORIZON,) the step that each decision period ends with.
         rate: (classes, rows) yaw rate after the first period, rad/s.
-        courses: (classes, rows, steps, 6) share of the speed aimed at, at each step's end; x and y
+        courses: (classes, rows, steps, 8) share of the speed aimed at, at each step's end; x and y
             of the heading in its middle; x and y of the centre's mean velocity about the axle,
-            m/s; and the heading at its end.
+            m/s; and the heading at its end, with its x and y.
     """
 
     span: FloatArray
@@ -162,7 +164,8 @@ def _headings(spec: RobotSpec) -> _Headings:
         rates.append(rate)
     c, s = np.cos(middle[::2]), np.sin(middle[::2])
     side = spec.axle_offset * np.array(mean)
-    courses = np.stack((drive, c, s, -s * side, c * side, after), axis=-1)
+    ends = after, np.cos(after), np.sin(after)
+    courses = np.stack((drive, c, s, -s * side, c * side, *ends), axis=-1)
     courses = np.ascontiguousarray(courses.transpose(1, 2, 0, 3))
     return _Headings(span, whole, rates[whole[0]], courses)
 
@@ -178,12 +181,13 @@ def _drive(
     acceleration: float,
     span: FloatArray,
     whole: IntArray,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """(m, HORIZON, 3) poses: the speed follows its share of the aim within the acceleration;
-    (m, 2) speeds after the first period; and (m,) directions of travel, rad.
+    (m, HORIZON, 2) cosines and sines of their yaw; (m, 2) speeds after the first period; and (m,)
+    directions of travel, rad.
 
     Args:
-        courses, rates: (rows, steps, 6) and (rows,) of `_Headings`, for the present yaw rate.
+        courses, rates: (rows, steps, 8) and (rows,) of `_Headings`, for the present yaw rate.
         wanted: direction, turn steps.
         turns, aim: (m,) turn and speed of `_Aims`.
         speed_now: m/s.
@@ -192,7 +196,7 @@ def _drive(
     """
     count = len(aim)
     poses, speeds = np.empty((count, len(whole), 3)), np.empty((count, 2))
-    direction = np.empty(count)
+    facing, direction = np.empty((count, len(whole), 2)), np.empty(count)
     for i in range(count):
         if turns[i] == NO_TURN:
             row, direction[i] = NO_TURN, 0.0
@@ -205,7 +209,7 @@ def _drive(
         speeds[i, 1] = rates[row]
         x, y, speed, period = 0.0, 0.0, speed_now, 0
         for step in range(len(span)):
-            drive, c, s, aside_x, aside_y, yaw = courses[row, step]
+            drive, c, s, aside_x, aside_y, yaw, ahead, aside = courses[row, step]
             change = acceleration * span[step]
             after = min(max(drive * aim[i], speed - change), speed + change)
             mean = (speed + after) / 2
@@ -218,5 +222,17 @@ def _drive(
                 poses[i, period, 0] = x
                 poses[i, period, 1] = y
                 poses[i, period, 2] = yaw
+                facing[i, period, 0], facing[i, period, 1] = ahead, aside
                 period += 1
-    return poses, speeds, direction
+    return poses, facing, speeds, direction
+
+
+@compiled
+def places_after(poses: FloatArray, x: float, y: float, yaw: float) -> FloatArray:
+    """(m, 2) world frame, where candidates (m, T, 3) of the robot at this pose are after the first
+    period."""
+    places, c, s = np.empty((len(poses), 2)), cos(yaw), sin(yaw)
+    for i in range(len(poses)):
+        places[i, 0] = c * poses[i, 0, 0] - s * poses[i, 0, 1] + x
+        places[i, 1] = s * poses[i, 0, 0] + c * poses[i, 0, 1] + y
+    return places

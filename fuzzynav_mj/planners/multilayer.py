@@ -16,10 +16,15 @@ from fuzzynav_mj.planners.arrival import Docking, docking
 from fuzzynav_mj.planners.base import NavigationProblem, Observation, Requirements
 from fuzzynav_mj.planners.evasion import lasting
 from fuzzynav_mj.planners.guidance import Guidance, Heading
-from fuzzynav_mj.planners.motions import Motions, candidate_motions
+from fuzzynav_mj.planners.motions import Motions, candidate_motions, places_after
 from fuzzynav_mj.planners.outlook import Outlook, look_ahead
 from fuzzynav_mj.planners.passing import JUDGED, Passing, ways_past
-from fuzzynav_mj.planners.priorities import closest_approach, secondary_costs, step_lengths
+from fuzzynav_mj.planners.priorities import (
+    closest_approach,
+    secondary_costs,
+    stand_still,
+    way_lengths,
+)
 from fuzzynav_mj.planners.scene import Scene, scene_around
 from fuzzynav_mj.planners.sectors import as_fuzzy_inputs, sector_distances
 from fuzzynav_mj.planners.settings import DecisionSettings
@@ -148,14 +153,13 @@ class MultilayerPlanner:
         alone = np.maximum(nearest, near_enough) + other
         if passing is None:
             # Waiting is for movers: among what stands it would last for ever.
-            goes = np.abs(outlook.poses[:, -1]).max(axis=1) > STANDING
-            alone += settings.waiting_cost * ~goes
+            alone += settings.waiting_cost * stand_still(outlook.poses, STANDING)
             return alone, alone
         c, s = cos(pose.yaw), sin(pose.yaw)
         x, y = outlook.poses[:, JUDGED - 1, 0], outlook.poses[:, JUDGED - 1, 1]
         cost = passing.worth(c * x - s * y, s * x + c * y) + other
-        travelled = step_lengths(outlook.poses, JUDGED).sum(axis=1)
-        cost += settings.passing_length * travelled + settings.moving_weight * outlook.crowding
+        cost += settings.passing_length * way_lengths(outlook.poses, JUDGED)
+        cost += settings.moving_weight * outlook.crowding
         return cost, alone
 
     def _choose(self, cost: FloatArray, outlook: Outlook, scene: Scene, kept: BoolArray) -> int:
@@ -188,8 +192,10 @@ class MultilayerPlanner:
         pick = np.array([chosen])
         inputs = as_fuzzy_inputs(self._distances(pick, candidates, travel, perception)[0])
         risks[chosen] = self._gate.risk(inputs)
+        if self._gate.accepts(float(risks[chosen])):
+            return _Verdict(chosen, inputs, False)
         pool = np.flatnonzero(candidates.admissible)
-        if self._gate.accepts(float(risks[chosen])) or len(pool) == 0:
+        if len(pool) == 0:
             return _Verdict(chosen, inputs, False)
         # The gate may slow the robot, or lead it round, but a way back out is no alternative.
         cost = candidates.cost
@@ -262,13 +268,10 @@ class _Verdict:
 
 def _candidates(motions: Motions, outlook: Outlook, cost: FloatArray, pose: Pose2D) -> CandidateSet:
     """The candidates' next positions, Eq. (12), with what the decision knows of them."""
-    first = motions.poses[:, 0, :2].astype(np.float64)
-    c, s = cos(pose.yaw), sin(pose.yaw)
-    positions = first @ np.array([[c, s], [-s, c]]) + np.array([pose.x, pose.y])
     return CandidateSet(
-        positions=positions,
+        positions=places_after(motions.poses, pose.x, pose.y, pose.yaw),
         admissible=outlook.admissible,
-        clearance=np.minimum(outlook.static, outlook.moving).astype(np.float64),
+        clearance=np.minimum(outlook.static, outlook.moving),
         cost=np.where(outlook.admissible, cost, np.inf),
         risk=np.full(len(cost), np.nan),
     )

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
-from fuzzynav_mj.planners.clearance import FAR, at_all_times, gaps_on_the_way, place
+from fuzzynav_mj.planners.clearance import FAR, gaps_on_the_way, gaps_to_standing, place
 from fuzzynav_mj.planners.motions import Motions
 from fuzzynav_mj.planners.passing import JUDGED
 from fuzzynav_mj.planners.scene import Scene
@@ -18,6 +18,7 @@ from fuzzynav_mj.planners.settings import DecisionSettings
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
+NEARBY = 0.25  # m: a larger gap to what stands makes no difference
 SOON = 4  # decision periods that count where no candidate keeps clear of what stands
 
 
@@ -27,7 +28,7 @@ class Outlook(NamedTuple):
     Attributes:
         poses: (m, T, 3) robot frame: driving on until just before what stands or
             is unseen, and stopped there from then on.
-        static: (m,) smallest gap to what stands, m.
+        static: (m,) smallest gap to what stands, m, at most `NEARBY`.
         moving: (m,) smallest gap to what moves, m, whichever way it goes on ...
         expected: (m,) ... and if it goes on as expected.
         crowding: (m,) at the worst moment, how much is missing of the berth that movers are given.
@@ -65,7 +66,7 @@ def look_ahead(
     )
     return _prospects(
         motions.poses,
-        at_all_times(scene.standing, len(scene.times)),
+        motions.facing,
         margins,
         motions.brake_steps,
         scene,
@@ -112,7 +113,7 @@ def _margins(
 @compiled
 def _prospects(
     poses: FloatArray,
-    standing: FloatArray,
+    facing: FloatArray,
     margins: FloatArray,
     brake_steps: IntArray,
     scene: Scene,
@@ -124,8 +125,8 @@ def _prospects(
 
     Args:
         poses: (m, T, 3) robot frame.
-        standing: (2, k, T) the scene's points.
-        margins: (m, T) that must be kept to them.
+        facing: (m, T, 2) cosines and sines of their yaw.
+        margins: (m, T) that must be kept to what stands.
         brake_steps: (m,) periods it takes to stop driving.
         scene: what they are held against.
         slowing: by which a turn per period can slow down in a period, rad.
@@ -147,8 +148,8 @@ def _prospects(
     placed, gaps, swerved = np.empty((4, periods)), np.empty(periods), np.empty(periods)
     surely_seen = scene.ranges.min() ** 2
     for i in range(count):
-        place(placed, poses[i])
-        gaps_on_the_way(gaps, placed, standing, half_side)
+        place(placed, poses[i], facing[i])
+        gaps_to_standing(gaps, placed, scene.standing, half_side, NEARBY)
         stop = _stop_in_time(found, i, gaps, margins, scene, surely_seen, brake_steps[i], slowing)
         found.poses[i, stop + 1 :] = poses[i, stop]
         for row in range(4):

@@ -5,7 +5,7 @@ from math import pi, sqrt
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
-from fuzzynav_mj.types import FloatArray
+from fuzzynav_mj.types import BoolArray, FloatArray
 
 
 @compiled
@@ -28,15 +28,26 @@ def closest_approach(poses: FloatArray, steps: int, target: tuple[float, float])
 
 
 @compiled
-def step_lengths(poses: FloatArray, steps: int) -> FloatArray:
-    """(m, steps - 1) how far each candidate of `poses` (m, T, 3) goes from each of the first steps
-    to the next, m."""
-    lengths = np.empty((len(poses), steps - 1))
+def way_lengths(poses: FloatArray, steps: int) -> FloatArray:
+    """(m,) how far each candidate of `poses` (m, T, 3) goes from its first pose to the last of so
+    many, m."""
+    lengths = np.zeros(len(poses))
     for i in range(len(poses)):
         for j in range(steps - 1):
             dx, dy = poses[i, j + 1, 0] - poses[i, j, 0], poses[i, j + 1, 1] - poses[i, j, 1]
-            lengths[i, j] = sqrt(dx * dx + dy * dy)
+            lengths[i] += sqrt(dx * dx + dy * dy)
     return lengths
+
+
+@compiled
+def stand_still(poses: FloatArray, most: float) -> BoolArray:
+    """(m,) True for the candidates of `poses` (m, T, 3) whose last place and yaw differ from the
+    present ones by no more than `most`, m and rad."""
+    still = np.empty(len(poses), dtype=np.bool_)
+    for i in range(len(poses)):
+        x, y, yaw = poses[i, -1]
+        still[i] = max(abs(x), abs(y), abs(yaw)) <= most
+    return still
 
 
 @compiled

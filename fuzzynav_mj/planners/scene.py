@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.planners.motions import HORIZON
 from fuzzynav_mj.planners.settings import DecisionSettings
 from fuzzynav_mj.planners.surroundings import Surroundings, period_ends
@@ -49,18 +50,19 @@ def scene_around(
     around: Surroundings, pose: Pose2D, spec: RobotSpec, settings: DecisionSettings
 ) -> Scene:
     """The scene of the robot at `pose`."""
-    c, s = cos(pose.yaw), sin(pose.yaw)
-    to_robot = np.array([[c, s], [-s, c]])
     times = period_ends(spec)
     wanted = settings.moving_margin + settings.moving_margin_growth * times
     share = min(max(around.doubt / settings.doubtful, settings.unlikely_share), 1.0)
+    standing, expected, possible = _turned(
+        around.sight.points, around.expected, around.possible, cos(pose.yaw), sin(pose.yaw)
+    )
     return Scene(
-        standing=around.sight.points @ to_robot.T,
+        standing=standing,
         ranges=around.sight.ranges,
         turn=pose.yaw - float(around.sight.bearings[0]),
         times=times,
-        expected=_over_time(around.expected[:HORIZON], to_robot),
-        possible=_over_time(around.possible, to_robot),
+        expected=expected,
+        possible=possible,
         wanted=wanted,
         unlikely=share * wanted,
         berth=settings.moving_gap
@@ -68,6 +70,25 @@ def scene_around(
     )
 
 
-def _over_time(places: FloatArray, turn: FloatArray) -> FloatArray:
-    """(2, k, T) turned points, from places (T, k, 2)."""
-    return np.ascontiguousarray((places @ turn.T).transpose(2, 1, 0))
+@compiled
+def _turned(
+    standing: FloatArray, expected: FloatArray, possible: FloatArray, c: float, s: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Points (k, 2) and places (T, k, 2) of `Surroundings` as `Scene` has them, turned by an angle
+    of this cosine and sine."""
+    points = np.empty_like(standing)
+    for k in range(len(standing)):
+        x, y = standing[k, 0], standing[k, 1]
+        points[k, 0], points[k, 1] = c * x + s * y, c * y - s * x
+    return points, _over_time(expected, c, s), _over_time(possible, c, s)
+
+
+@compiled
+def _over_time(places: FloatArray, c: float, s: float) -> FloatArray:
+    """(2, k, HORIZON) turned points, from the first places of (T, k, 2)."""
+    points = np.empty((2, places.shape[1], HORIZON))
+    for t in range(HORIZON):
+        for k in range(places.shape[1]):
+            x, y = places[t, k, 0], places[t, k, 1]
+            points[0, k, t], points[1, k, t] = c * x + s * y, c * y - s * x
+    return points

@@ -9,7 +9,13 @@ from hypothesis import strategies as st
 
 from fuzzynav_mj.control import centre_displacement, drive_towards
 from fuzzynav_mj.geometry import wrap_angle
-from fuzzynav_mj.planners.motions import HORIZON, TURN_STEP, Motions, candidate_motions
+from fuzzynav_mj.planners.motions import (
+    HORIZON,
+    TURN_STEP,
+    Motions,
+    candidate_motions,
+    places_after,
+)
 from fuzzynav_mj.robot import DEFAULT_ROBOT
 from fuzzynav_mj.types import FloatArray, Pose2D, Twist2D
 
@@ -199,3 +205,19 @@ def test_left_is_the_mirror_of_right(turn: int, v: float, rate: int) -> None:
         np.testing.assert_allclose(mirrored, poses * (1.0, -1.0, -1.0), atol=1e-5)
         compared += 1
     assert compared > 50
+
+
+@settings(max_examples=25, deadline=None)
+@given(directions, speeds, rates)
+def test_facing_is_the_yaw_as_cosine_and_sine(wanted: float, v: float, omega: float) -> None:
+    motions = candidate_motions(wanted, Twist2D(v, omega), SPEC)
+    yaw = motions.poses[..., 2]
+    facing = np.stack((np.cos(yaw), np.sin(yaw)), axis=-1)
+    np.testing.assert_allclose(motions.facing, facing, atol=1e-15)
+
+
+def test_places_after_the_first_period_in_the_world() -> None:
+    """A robot at (1, 2) that looks along y: ahead is y, and left is -x."""
+    poses = np.array([[[0.05, 0.01, 0.3], [9.0, 9.0, 9.0]], [[0.0, 0.0, 0.0], [9.0, 9.0, 9.0]]])
+    places = places_after(poses, 1.0, 2.0, pi / 2)
+    np.testing.assert_allclose(places, [[0.99, 2.05], [1.0, 2.0]], atol=1e-15)

@@ -8,7 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fuzzynav_mj.geometry import footprints, rotation
-from fuzzynav_mj.planners.clearance import FAR, moving_clearance, static_clearance
+from fuzzynav_mj.planners.clearance import (
+    FAR,
+    facings,
+    gaps_to_standing,
+    moving_clearance,
+    place,
+    static_clearance,
+)
 from fuzzynav_mj.types import FloatArray
 
 HALF_SIDE = 0.1
@@ -106,3 +113,16 @@ def test_nothing_in_sight_is_far_everywhere() -> None:
     assert (static_clearance(poses, np.empty((0, 2)), HALF_SIDE) == FAR).all()
     nothing = moving_clearance(poses, np.empty((4, 2, 0)), HALF_SIDE)
     assert nothing.shape == (3, 4) and (nothing == FAR).all()
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.lists(pose, min_size=1, max_size=6), st.lists(point, max_size=8), st.floats(0.01, 2.0))
+def test_what_is_farther_than_near_is_as_good_as_near(
+    way: list[tuple[float, ...]], points: list[tuple[float, ...]], near: float
+) -> None:
+    poses, spots = np.array([way]), np.array(points).reshape(-1, 2)
+    gaps, placed = np.empty(len(way)), np.empty((4, len(way)))
+    place(placed, poses[0], facings(poses)[0])
+    gaps_to_standing(gaps, placed, spots, HALF_SIDE, near)
+    exact = static_clearance(poses, spots, HALF_SIDE)[0]
+    np.testing.assert_allclose(gaps, np.minimum(exact, near), rtol=1e-12)
