@@ -1,10 +1,11 @@
 """Where the hits of moving obstacles will be: the paper's predicted future trajectories, Eq. (14).
 
-A mover may keep turning as it turns now, turn more to either side, or go straight on; a candidate
-must stay clear of all of these. How far one can swerve within the time that the robot needs to
-react is what counts: later the robot will have looked and decided again. A mover whose speed
-towards the robot is still uncertain is also thought of as coming faster, and one whose direction
-noise makes uncertain as going astray to either side.
+A mover may keep turning as it turns now, turn more to either side, go straight on, or turn back on
+the spot as scripted ones do where their route ends; a candidate must stay clear of all of these.
+How far one can swerve or come back within the time that the robot needs to react is what counts:
+later the robot will have looked and decided again. A mover whose speed towards the robot is still
+uncertain is also thought of as coming faster, and one whose direction noise makes uncertain as
+going astray to either side.
 """
 
 from math import cos, hypot, sin
@@ -16,6 +17,7 @@ from fuzzynav_mj.types import FloatArray, PerceivedObstacle
 
 SWERVE = 0.5  # m/s2: sideways acceleration that a mover may add to what is seen of it
 SWERVE_TIME = 0.8  # s: for so long
+TURNED_BACK = 0.3  # s: a decision, and what the robot takes to be as fast as the mover
 TURNING = 0.3  # rad/s: a slower turn is as good as straight
 UNCERTAIN = 0.12  # m/s: a smaller uncertainty of the closing speed is not worth a thought
 LARGEST_SURPRISE = 0.5  # m/s
@@ -53,7 +55,7 @@ def _displacements(
     """See `displacements`; the robot is at (x, y) from the mover's nearest point, m, and the mover
     may go astray to the sides at the speed `drift`, m/s."""
     turns, surprises = abs(turn_rate) > TURNING, closing_sigma > UNCERTAIN
-    ways = np.empty((3 + turns + surprises, len(times), 2))
+    ways = np.empty((4 + turns + surprises, len(times), 2))
     speed, distance = max(hypot(vx, vy), 1e-9), max(hypot(x, y), 1e-9)
     surprise = min(closing_sigma, LARGEST_SURPRISE)
     for k in range(len(times)):
@@ -73,6 +75,9 @@ def _displacements(
             swerve = side * aside / speed
             ways[way, k] = forth_x - swerve * vy, forth_y + swerve * vx
             way += 1
+        back = t <= TURNED_BACK + 1e-9
+        ways[way, k] = (-t * vx, -t * vy) if back else (forth_x, forth_y)
+        way += 1
         if surprises:
             share = t * surprise / distance
             ways[way, k] = forth_x + share * x, forth_y + share * y

@@ -122,6 +122,15 @@ def test_left_is_the_mirror_of_right(speed: float, heading: float, turn_rate: fl
         assert among(right, way * (1.0, -1.0))
 
 
+def test_a_mover_may_turn_back_on_the_spot() -> None:
+    """For 0.3 s, in which a robot that stands decides and becomes as fast; then as expected."""
+    for turn_rate in (0.0, 1.0):
+        found = ways((0.3, -0.4), turn_rate)
+        back = found[0].copy()
+        back[:3] = -TIMES[:3, None] * (0.3, -0.4)
+        assert among(found, back)
+
+
 def test_a_mover_of_uncertain_direction_may_go_astray_to_both_sides() -> None:
     """By three standard deviations of what is beyond 0.03 m/s, but no more than 0.3 m/s."""
 
