@@ -7,7 +7,7 @@ when movers drove the robot off. The fuzzy gate may hold the robot up; it never 
 """
 
 from dataclasses import dataclass
-from math import atan2, cos, hypot, pi, sin
+from math import atan2, cos, hypot, inf, pi, sin
 from typing import Literal
 
 import numpy as np
@@ -21,11 +21,12 @@ from fuzzynav_mj.planners.boundary import (
     rays_beside,
     same_boundary,
 )
-from fuzzynav_mj.planners.openings import gaining_way, promises, shortest_way, unreached_rays
+from fuzzynav_mj.planners.openings import gaining_way, shortest_way
 from fuzzynav_mj.planners.reach import free_ahead
-from fuzzynav_mj.planners.search import searched_ways
 from fuzzynav_mj.planners.settings import GuidanceSettings
-from fuzzynav_mj.planners.sight import Sight, Ways, either, straight_ways
+from fuzzynav_mj.planners.sight import Sight, Ways
+from fuzzynav_mj.planners.walls import Walls, corners_closed, walls_in_sight
+from fuzzynav_mj.planners.ways import straight_ways_in, way_beside_walls, ways_in_sight
 from fuzzynav_mj.types import FloatArray
 
 BOUNDARY_LOST = 0.1  # m beyond sight
@@ -74,6 +75,7 @@ class Guidance:
         self._bearing: float | None = None  # of the way taken last while seeking the goal
         self._onward_to: Point | None = None  # the subgoal of that way
         self._doubts = 0  # looks since then that saw no way
+        self._promised = inf  # smallest distance from a way's end to the goal, since a boundary
         # Side of the boundary from which movers drove the robot off last, and where.
         self._driven_off: tuple[int, Point] | None = None
 
@@ -90,6 +92,8 @@ class Guidance:
         self._last = place
         goal = np.array([self._goal[0] - place[0], self._goal[1] - place[1]])
         distance = float(np.hypot(*goal))
+        walls = walls_in_sight(sight)
+        sight = corners_closed(sight, walls, self._settings.corner)
         if self._following is not None:
             edge = self._following.edge
             away = hypot(edge[0] - place[0], edge[1] - place[1])
@@ -100,15 +104,13 @@ class Guidance:
             else:
                 self._following.watch(place, goal, sight, self._settings)
         if self._goal_in_reach(goal, distance, sight):
-            self._following = None
-            self._bearing = atan2(goal[1], goal[0])
-            return self._heading(place, goal, "goal", direct=True)
-        ways = self._ways(place, goal, sight)
+            return self._straight(place, goal, distance, sight, walls)
+        ways = ways_in_sight(place, goal, sight, self._following, self._settings)
         if not ways.open.any():
             return self._heading(place, np.zeros(2), "blocked")
         following = self._following
         if following is None:
-            return self._seek(place, goal, sight, ways)
+            return self._seek(place, goal, sight, ways, walls)
         along = following.direction
         gone = step[0] * along[0] + step[1] * along[1]
         following.length += gone
@@ -117,7 +119,7 @@ class Guidance:
         wanted = ways.open if sight.hidden is None else ways.open & ~sight.hidden
         best = gaining_way(wanted, ways.length, ways.end, goal, following.to_beat(self._settings))
         if best >= 0:
-            self._following = None
+            self._following, self._promised = None, inf
             if not following.closed:
                 self._closed_loops = 0  # those were around other boundaries
             return self._heading(place, ways.first_point(best), "goal")
@@ -130,28 +132,47 @@ class Guidance:
             following.begin_anew(place, distance)
         edge = following.edge
         chosen = following.along(place, sight, ways)
-        left_over = float(np.hypot(*(ways.end[chosen] - goal)))
-        following.reached = min(following.reached, left_over)
+        remains = float(np.hypot(*(ways.end[chosen] - goal)))
+        following.reached = min(following.reached, remains)
         if among_movers and not same_boundary(place, sight, edge, following.edge):
             self._driven_off = (following.side, place)
             following.begin_anew(place, distance)
             following.watch(place, goal, sight, self._settings)
-        cost = float(ways.length[chosen]) + left_over
+        cost = float(ways.length[chosen]) + remains
         if self._other_side_pays(place, sight, cost, following):
             chosen = following.along(place, sight, ways)
         return self._follow(place, sight, ways, chosen, following)
 
-    def _seek(self, place: Point, goal: FloatArray, sight: Sight, ways: Ways) -> Heading:
+    def _straight(
+        self, place: Point, goal: FloatArray, distance: float, sight: Sight, walls: Walls
+    ) -> Heading:
+        """To the goal; while that is out of sight, beside a wall that would come in the way."""
+        if self._following is not None:
+            self._following, self._promised = None, inf
+        self._bearing = atan2(goal[1], goal[0])
+        ahead = ray_at(self._bearing, sight)
+        if distance > sight.max_range and len(walls.ends) > 0:
+            ways = straight_ways_in(sight, self._settings)
+            taken = way_beside_walls(ahead, goal, sight, ways, walls, self._settings)
+            if taken != ahead:
+                return self._heading(place, ways.end[taken], "goal")
+        return self._heading(place, goal, "goal", direct=True)
+
+    def _seek(
+        self, place: Point, goal: FloatArray, sight: Sight, ways: Ways, walls: Walls
+    ) -> Heading:
         """The shortest way to the goal, as far as can be seen; where all lead away from it, a
         boundary is followed from now on."""
         ahead = ray_at(atan2(goal[1], goal[0]), sight)
-        best, left_over = shortest_way(
+        best, remains = shortest_way(
             ahead, sight.ranges, sight.max_range,
             ways.open, ways.length, ways.end, goal, self._settings.blind_penalty,
         )  # fmt: skip
         bearing = float(sight.bearings[best])
-        if left_over < float(np.hypot(*goal)) and not self._turned_back(bearing):
+        if remains < float(np.hypot(*goal)) and not self._turned_back(bearing):
             self._bearing = bearing
+            self._promised = min(self._promised, remains)
+            best = way_beside_walls(best, goal, sight, ways, walls, self._settings)
             return self._onward(place, ways.first_point(best))
         if self._onward_to is not None and self._doubts < DOUBTS:
             self._doubts += 1
@@ -228,32 +249,6 @@ class Guidance:
         width = self._settings.comfortable
         return free_ahead(sight.points, bearing, width) >= sight.max_range - width
 
-    def _ways(self, place: Point, goal: FloatArray, sight: Sight) -> Ways:
-        """Comfortable ways, tight ones where they save enough, searched ones where they might."""
-        settings = self._settings
-        ways = straight_ways(sight, settings.comfortable, settings.tight, settings.tight_penalty)
-        if self._search_might_help(place, goal, sight, ways):
-            found = searched_ways(sight, settings.tight, settings.comfortable)
-            ways = either(ways, found, settings.tight_penalty)
-        return ways
-
-    def _search_might_help(self, place: Point, goal: FloatArray, sight: Sight, ways: Ways) -> bool:
-        """True if a ray sees free ground that no straight way reaches, and it would be wanted."""
-        if self._following is None:
-            promised, have = promises(
-                sight.ranges, sight.bearings, sight.max_range, self._settings.tight,
-                ways.open, ways.length, ways.end, goal,
-            )  # fmt: skip
-            return promised < have - self._settings.search_gain
-        following = self._following
-        lead = unreached_rays(
-            following.beside(place, sight), following.side,
-            sight.ranges, sight.max_range, self._settings.tight, ways.open,
-        )  # fmt: skip
-        # The width of the robot hides a few rays beside every edge; those promise nothing.
-        hidden = self._settings.tight / sight.max_range * len(sight.ranges) / (2 * pi)
-        return lead > 1.5 * hidden
-
     def _begin(
         self,
         place: Point,
@@ -269,7 +264,8 @@ class Guidance:
         closed = int(back[int(ways.open[back].argmin())])
         edge = blocking_point(place, sight, closed)
         distance = float(np.hypot(*goal))
-        self._following = Following(side, place, edge, distance, distance)
+        reached = min(distance, self._promised)
+        self._following = Following(side, place, edge, distance, reached)
         self._following.alternative = self._other_side(place, goal, sight, ways, side)
         self._bearing = self._onward_to = None
         self._following.watch(place, goal, sight, self._settings)
@@ -290,8 +286,8 @@ class Guidance:
         steps = int(ways.open[beyond].argmax())
         ray = int(beyond[steps])
         edge = blocking_point(place, sight, int(beyond[max(steps - 1, 0)]))
-        left_over = np.hypot(*(ways.end[ray] - goal))
-        return Alternative(place, edge, float(ways.length[ray] + left_over))
+        remains = np.hypot(*(ways.end[ray] - goal))
+        return Alternative(place, edge, float(ways.length[ray] + remains))
 
     def _other_side_pays(
         self, place: Point, sight: Sight, cost: float, following: Following

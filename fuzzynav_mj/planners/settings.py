@@ -72,6 +72,8 @@ class GuidanceSettings:
         tight: half width of the narrowest passage that is taken at all.
         tight_penalty: detour that is preferred to a tight passage.
         blind_penalty: detour that is preferred to going along a wall whose end is not in sight.
+        corner: by which two walls that leave sight may be carried on to meet in a closed corner.
+        onward: length by which a straight wall that leaves sight is thought to go on.
         search_gain: what a searched way must promise to save before a search is made.
         gain: how much nearer to the goal than all of the boundary a way must lead to leave it.
         turning_gain: how much shorter the way around the other side must look to turn round.
@@ -84,6 +86,8 @@ class GuidanceSettings:
     comfortable: float = 0.20
     tight: float = 0.13
     tight_penalty: float = 0.10
+    corner: float = 0.5
+    onward: float = 1.5
     search_gain: float = 0.15
     blind_penalty: float = 0.3
     gain: float = 0.15

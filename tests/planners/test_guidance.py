@@ -323,3 +323,26 @@ def test_boundary_left_without_having_been_all_around_clears_the_count_of_loops(
     result = walk(guidance, box(0.0, -1.0, 0.2, 1.0), (-0.3, 0.0), goal, 400)
     assert result.was("boundary") and result.arrived
     assert result.headings[-1].closed_loops == 0
+
+
+@pytest.mark.parametrize("name", ["trap_from_outside", "out_of_the_rings", "through_the_comb"])
+def test_what_a_way_promised_before_is_no_gain_when_a_boundary_is_followed(name: str) -> None:
+    """Or a dead end would be entered again after every round along the boundary."""
+    sides, place, goal = SOLVABLE[name]
+    guidance, promised, begun = Guidance(goal, 0.1), inf, 0
+    for number in range(400):
+        before = guidance._following
+        heading = guidance.head(place, sight_at(sides, place, yaw=0.7 * number))
+        x, y = heading.subgoal
+        left_over = hypot(goal[0] - x, goal[1] - y)
+        following = guidance._following
+        if before is None and following is not None and promised < inf:
+            begun += 1
+            assert following.reached <= promised + 1e-9
+        if following is not None or heading.direct:
+            promised = inf
+        elif before is None:
+            promised = min(promised, left_over)
+        share = min(1.0, 0.05 / max(hypot(x - place[0], y - place[1]), 1e-9))
+        place = (place[0] + share * (x - place[0]), place[1] + share * (y - place[1]))
+    assert begun > 0
