@@ -80,4 +80,4 @@ def _rehearse_meetings(look: Look, max_range: float) -> None:
     outline = outline_around(look, nobody, look.x, look.y, max_range)
     left_over(outline, nobody[: len(outline.joined)])
     misfit(outline, outline, 0.0, 0.0, max_range)
-    hidden_part(outline.points, look, max_range)
+    hidden_part(outline.points, look, max_range, False)

@@ -8,14 +8,21 @@ from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.sensing.looks import Look, ray_number
 from fuzzynav_mj.types import FloatArray
 
-IN_FRONT = 0.03  # m: what hides a point is nearer by as much
+IN_FRONT = 0.03  # m: what hides a point of a mover that is partly in sight is nearer by as much
 SEEN_THROUGH = 0.05  # m: a ray that reaches this much farther shows that a place is free
 
 
 @compiled
-def hidden_part(points: FloatArray, look: Look, max_range: float) -> tuple[FloatArray, int]:
+def hidden_part(
+    points: FloatArray, look: Look, max_range: float, unseen: bool
+) -> tuple[FloatArray, int]:
     """(k, 2) those of the points (2, n), world frame, that something nearer hides, and the number
-    of those whose place is seen to be free."""
+    of those whose place is seen to be free.
+
+    Where none of the mover is in sight it may also be inside of what is seen: movers pass through
+    each other, and come out again.
+    """
+    in_front = -SEEN_THROUGH if unseen else IN_FRONT
     rays = len(look.ranges)
     found, count, free = np.empty((points.shape[1], 2)), 0, 0
     for i in range(points.shape[1]):
@@ -24,7 +31,7 @@ def hidden_part(points: FloatArray, look: Look, max_range: float) -> tuple[Float
         if distance >= max_range:
             continue
         ray = int(ray_number(atan2(dy, dx) - look.yaw, rays) + 0.5) % rays
-        if look.ranges[ray] < distance - IN_FRONT:
+        if look.ranges[ray] < distance - in_front:
             found[count, 0], found[count, 1] = points[0, i], points[1, i]
             count += 1
         elif look.ranges[ray] > distance + SEEN_THROUGH:

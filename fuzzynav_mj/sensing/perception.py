@@ -211,8 +211,9 @@ class Perceiver:
             if track.seen < SETTLED or not track.partly_hidden or not self._moves(track):
                 continue
             outline = track.expected_outline
-            points, free = hidden_part(outline, now, self._spec.sensor_range)
-            if track.missed > 0 and free > GONE * outline.shape[1]:
+            unseen = track.missed > 0
+            points, free = hidden_part(outline, now, self._spec.sensor_range, unseen)
+            if unseen and free > GONE * outline.shape[1]:
                 self._tracks.remove(track)
             elif len(points) >= 2:
                 found.append(_perceived(points, now, track, self._noise))

@@ -35,7 +35,7 @@ STRAY = 0.008  # m by which it may lie off, besides ...
 STRAY_NOISE = 2.0  # ... so many standard deviations of the ranges
 SAME_MOVER = 3.0  # squared standard deviations between velocities that may be one
 SAME_MOVER_MISFIT = 0.006  # m by which one velocity may miss both outlines
-WHOLE = 0.6  # of the fullest outline that must be in sight for it to be the fullest one
+WHOLE = 0.6  # of the most hits that an outline must have to count as a full one
 OUTLINE_TIME = 1.0  # s after which an outline, however full, is too old
 
 NOTHING = Outline(
@@ -65,7 +65,8 @@ class Track:
         state: (4,) velocity, m/s, and acceleration, m/s2.
         covariance: (4, 4) of the state.
         outlines: of the last looks.
-        fullest: the outline of a look, not long ago, that showed the most of it.
+        fullest: the outline of a look, not long ago, that showed most of it.
+        most: the largest number of its hits, not long ago.
         shift: (2,) how far the mover has gone since then, m ...
         known_shift: (2,) ... up to when it was last seen.
         reach: how far off its outline hits may lie, m.
@@ -78,6 +79,7 @@ class Track:
     covariance: FloatArray
     outlines: deque[Outline]
     fullest: Outline = NOTHING
+    most: int = 0
     shift: FloatArray = field(default_factory=lambda: np.zeros(2))
     known_shift: FloatArray = field(default_factory=lambda: np.zeros(2))
     reach: float = CLAIM
@@ -188,7 +190,9 @@ class Track:
         self.known_shift = self.shift = self.known_shift + gone
         self.centre = outline.points.mean(axis=1)
         self.outlines.append(outline)
-        if self._is_fuller(outline):
+        old = outline.stamp - self.fullest.stamp > OUTLINE_TIME
+        if old or len(outline.joined) >= WHOLE * self.most:
+            self.most = len(outline.joined) if old else max(len(outline.joined), self.most)
             self.fullest = outline
             self.shift = self.known_shift = np.zeros(2)
         self.seen, self.missed, self.reach = self.seen + 1, 0, CLAIM
@@ -212,6 +216,7 @@ class Track:
             if outline.stamp in later:
                 self.outlines[number] = in_one(outline, later[outline.stamp])
         self.fullest = self.outlines[-1]
+        self.most = len(self.fullest.joined)
         self.shift = self.known_shift = np.zeros(2)
         self.centre = self.fullest.points.mean(axis=1)
         self.seen = max(self.seen, other.seen)
@@ -221,10 +226,6 @@ class Track:
         mine, theirs = np.linalg.inv(self.covariance), np.linalg.inv(other.covariance)
         covariance = np.ascontiguousarray(np.linalg.inv(mine + theirs))
         return covariance @ (mine @ self.state + theirs @ other.state), covariance
-
-    def _is_fuller(self, outline: Outline) -> bool:
-        old = outline.stamp - self.fullest.stamp > OUTLINE_TIME
-        return old or len(outline.joined) >= WHOLE * len(self.fullest.joined)
 
 
 def expected_outlines(tracks: Sequence[Track], slack: float) -> Expected:
