@@ -169,7 +169,8 @@ class Guidance:
             ways.open, ways.length, ways.end, goal, self._settings.blind_penalty,
         )  # fmt: skip
         bearing = float(sight.bearings[best])
-        if remains < float(np.hypot(*goal)) and not self._turned_back(bearing):
+        nearer = remains < float(np.hypot(*goal))
+        if nearer and not self._turned_back(bearing):
             self._bearing = bearing
             self._promised = min(self._promised, remains)
             best = way_beside_walls(best, goal, sight, ways, walls, self._settings)
@@ -179,7 +180,8 @@ class Guidance:
             return self._heading(place, np.array(self._onward_to) - np.array(place), "goal")
         chosen = self._way_of_before(place, goal, sight, ways)
         if chosen is None:
-            chosen = self._kept(sight, ways, best)
+            # A way that leads nearer to the goal is the better side, though it turns back.
+            chosen = best if nearer else self._kept(sight, ways, best)
         following = self._begin(place, goal, sight, ways, chosen)
         return self._follow(place, sight, ways, chosen, following)
 

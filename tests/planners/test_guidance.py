@@ -346,3 +346,18 @@ def test_what_a_way_promised_before_is_no_gain_when_a_boundary_is_followed(name:
         share = min(1.0, 0.05 / max(hypot(x - place[0], y - place[1]), 1e-9))
         place = (place[0] + share * (x - place[0]), place[1] + share * (y - place[1]))
     assert begun > 0
+
+
+@pytest.mark.parametrize("mirror", [1.0, -1.0])
+def test_boundary_is_begun_on_the_side_that_leads_nearer_to_the_goal(mirror: float) -> None:
+    """Driven along a wall to the one side, past where the other one becomes the shorter."""
+    wall = box(0.5, -9.0, 0.7, 9.0)
+    guidance = Guidance((3.0, 0.0), 0.1)
+    before = (0.0, -mirror * 0.1)
+    heading = guidance.head(before, sight_at(wall, before))
+    assert heading.mode == "goal" and mirror * heading.subgoal[1] > 0.0
+    away = (0.0, mirror * 0.5)
+    for _ in range(3):
+        heading = guidance.head(away, sight_at(wall, away))
+    assert heading.mode == "boundary"
+    assert mirror * (heading.subgoal[1] - away[1]) < 0.0
