@@ -80,6 +80,9 @@ class PerceivedObstacle:
         turn_rate: rate at which the velocity turns, rad/s, counter-clockwise positive.
         closing_sigma: uncertainty (one sigma) of the speed towards the robot, m/s.
         drift_sigma: the same across the direction that it moves in, where the ranges are noisy.
+        unsure: (2,) the direction in which least is known of the velocity, as long as its
+            uncertainty (one sigma) there, m/s, where the ranges are noisy: a flat side does not
+            show how it moves along itself.
     """
 
     points: FloatArray
@@ -92,6 +95,7 @@ class PerceivedObstacle:
     turn_rate: float = 0.0
     closing_sigma: float = 0.0
     drift_sigma: float = 0.0
+    unsure: FloatArray = field(default_factory=lambda: np.zeros(2))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -133,7 +133,7 @@ def test_no_record_given_to_a_planner_has_room_for_the_truth() -> None:
     assert names(VisibilityMatrix) == {"occupied", "counts", "previous_counts"}
     assert names(PerceivedObstacle) == {
         "points", "nearest_point", "distance", "bearing", "dynamic", "approaching",
-        "velocity", "turn_rate", "closing_sigma", "drift_sigma",
+        "velocity", "turn_rate", "closing_sigma", "drift_sigma", "unsure",
     }  # fmt: skip
     assert names(Pose2D) == {"x", "y", "yaw"} and names(Twist2D) == {"v", "omega"}
 

@@ -44,7 +44,7 @@ def _moving_gaps(poses: FloatArray, points: FloatArray, half: float) -> FloatArr
     gaps, placed, facing = np.empty((count, columns)), np.empty((4, columns)), facings(poses)
     for i in range(count):
         place(placed, poses[i], facing[i])
-        gaps_on_the_way(gaps[i], placed, points, half)
+        gaps_on_the_way(gaps[i], placed, points, 0, points.shape[1], half)
     return gaps
 
 
@@ -68,18 +68,20 @@ def place(placed: FloatArray, poses: FloatArray, facing: FloatArray) -> None:
 
 
 @compiled
-def gaps_on_the_way(gaps: FloatArray, placed: FloatArray, points: FloatArray, half: float) -> None:
+def gaps_on_the_way(
+    gaps: FloatArray, placed: FloatArray, points: FloatArray, first: int, end: int, half: float
+) -> None:
     """Fills in the gaps (T,) between a square on its way and the nearest point at each time.
 
     Args:
         gaps: m; `FAR` where no point is nearer.
         placed: (4, T) the square's centre, x and y, m, and cosine and sine of its yaw.
-        points: (2, k, T) x and y.
+        points: (2, k, T) x and y, of which those from number `first` to before `end` count.
         half: half of the square's side, m.
     """
     gaps[:] = FAR * FAR
     # Times lie side by side: the compiler takes several of them at once.
-    for k in range(points.shape[1]):
+    for k in range(first, end):
         for j in range(len(gaps)):
             gaps[j] = min(gaps[j], _squared_gap(placed, j, points[0, k, j], points[1, k, j], half))
     for j in range(len(gaps)):

@@ -9,9 +9,10 @@ from math import cos, sin
 
 import numpy as np
 
-from fuzzynav_mj.planners.clearance import facings, moving_clearance, static_clearance
-from fuzzynav_mj.planners.motions import Motions, candidate_motions
+from fuzzynav_mj.planners.clearance import facings
+from fuzzynav_mj.planners.motions import HORIZON, Motions, candidate_motions
 from fuzzynav_mj.planners.outlook import Outlook, look_ahead
+from fuzzynav_mj.planners.passing import JUDGED, OUTLOOK, Passing
 from fuzzynav_mj.planners.scene import Scene
 from fuzzynav_mj.planners.settings import DecisionSettings
 from fuzzynav_mj.robot import RobotSpec
@@ -23,51 +24,52 @@ EVERY = 3  # so few of the candidates tell what a second move can do
 
 
 def lasting(
-    first: Outlook, scene: Scene, spec: RobotSpec, settings: DecisionSettings
-) -> tuple[FloatArray, FloatArray]:
-    """(m,) periods without contact, and (m,) room meanwhile, m, of candidates that may be followed
-    by others; where a second move does not help, those of the candidate alone.
+    first: Outlook,
+    scene: Scene,
+    passing: Passing | None,
+    yaw: float,
+    spec: RobotSpec,
+    settings: DecisionSettings,
+) -> FloatArray:
+    """(m,) periods without contact that can be expected of candidates that may be followed by
+    others; at most `OUTLOOK`. Negative where the robot cannot stop before what stands.
 
     Args:
         first: the candidates' prospects.
         scene: what they were held against.
+        passing: what places are worth beyond the roll-outs.
+        yaw: of the robot, rad.
         spec, settings: the robot's, and the decision's.
     """
-    clear, room = first.contact_step.astype(np.float64), room_left(first)
-    later = scene.later(FIRST_MOVE)
-    order = np.lexsort((-room, -clear))
-    possible = order[(first.static_ok & (clear >= FIRST_MOVE))[order]]
-    for i in possible[:TRIED].tolist():
-        second = look_ahead(_moves_after(first.poses[i], spec), later, spec, settings)
-        then = np.where(second.static_ok, second.contact_step + FIRST_MOVE, 0)
-        there = np.minimum(room_left(second), _room_during(first.poses[i], scene, spec))
-        best = int(np.lexsort((-there, -then))[0])
-        if (then[best], there[best]) > (clear[i], room[i]):
-            clear[i], room[i] = then[best], there[best]
-    return clear, room
-
-
-def room_left(outlook: Outlook) -> FloatArray:
-    """(m,) m."""
-    return _room(outlook.static, outlook.moving, outlook.expected)
-
-
-def _room(static: FloatArray, moving: FloatArray, expected: FloatArray) -> FloatArray:
-    """Of the gaps (m,) of an outlook. The worst case is contact for most: then what is expected
-    makes the difference."""
-    room: FloatArray = np.minimum(static, (moving + expected) / 2)
-    return room
-
-
-def _room_during(poses: FloatArray, scene: Scene, spec: RobotSpec) -> FloatArray:
-    """(1,) `room_left` during a first move (T, 3), m."""
-    move, half_side = poses[None, :FIRST_MOVE], spec.half_side
-    static = static_clearance(move, scene.standing, half_side).min(axis=1)
-    expected, possible = (
-        moving_clearance(move, points[..., :FIRST_MOVE].transpose(2, 0, 1), half_side).min(axis=1)
-        for points in (scene.expected, scene.possible)
+    lasts = np.where(
+        first.static_ok, _periods(first.poses[:, JUDGED - 1], first.alive, passing, yaw), -1.0
     )
-    return _room(static, np.minimum(expected, possible), expected)
+    later = scene.later(FIRST_MOVE)
+    for i in np.argsort(-lasts, kind="stable")[:TRIED].tolist():
+        if lasts[i] < 0.0:
+            break
+        second = look_ahead(_moves_after(first.poses[i], spec), later, spec, settings)
+        then = second.poses[second.static_ok]
+        before = np.broadcast_to(first.alive[i, :FIRST_MOVE], (len(then), FIRST_MOVE))
+        after = first.alive[i, FIRST_MOVE - 1] * second.alive[second.static_ok]
+        alive = np.concatenate((before, after), axis=1)
+        judged = then[:, JUDGED - FIRST_MOVE - 1]
+        lasts[i] = _periods(judged, alive, passing, yaw).max(initial=lasts[i])
+    return lasts
+
+
+def _periods(
+    judged: FloatArray, alive: FloatArray, passing: Passing | None, yaw: float
+) -> FloatArray:
+    """(m,) periods that can be expected on a way that is survived as likely as `alive` (m, HORIZON)
+    says; those after it where a way leads on from its pose after the periods `JUDGED` (m, 3)."""
+    lasts: FloatArray = alive.sum(axis=1)
+    if passing is not None:
+        c, s = cos(yaw), sin(yaw)
+        x, y = judged[:, 0], judged[:, 1]
+        leads_on = passing.leads_on(c * x - s * y, s * x + c * y)
+        lasts += (OUTLOOK - HORIZON) * alive[:, -1] * leads_on
+    return lasts
 
 
 def _moves_after(poses: FloatArray, spec: RobotSpec) -> Motions:

@@ -41,7 +41,7 @@ from fuzzynav_mj.types import (
     Pose2D,
 )
 
-EVASION_BONUS = 1.5  # periods
+EVASION_BONUS = 0.3  # periods
 SAME_EVASION = 0.8  # cosine of the largest angle between directions of one evasion
 SAME_COURSE = 0.94  # cosine of an angle between directions of travel, and ...
 SAME_SPEED = 0.15  # m/s: ... a difference in speed, that are not put down to movers
@@ -98,7 +98,7 @@ class MultilayerPlanner:
             passing = ways_past(around.sight, around.expected, aim, self._settings)
         cost, alone = self._costs(motions, outlook, target, pose, dock, passing)
         candidates = _candidates(motions, outlook, cost, pose)
-        first = self._choose(cost, outlook, scene, self._kept(motions, pose))
+        first = self._choose(cost, outlook, scene, passing, self._kept(motions, pose), pose.yaw)
         verdict = self._judge(first, motions, candidates, pose, perception)
         chosen = verdict.chosen
         self._travel = float(motions.direction[chosen]) + pose.yaw
@@ -160,20 +160,29 @@ class MultilayerPlanner:
         cost = passing.worth(c * x - s * y, s * x + c * y) + other
         cost += settings.passing_length * way_lengths(outlook.poses, JUDGED)
         cost += settings.moving_weight * outlook.crowding
+        cost += settings.contact_cost * (1.0 - outlook.alive[:, -1])
         return cost, alone
 
-    def _choose(self, cost: FloatArray, outlook: Outlook, scene: Scene, kept: BoolArray) -> int:
+    def _choose(
+        self,
+        cost: FloatArray,
+        outlook: Outlook,
+        scene: Scene,
+        passing: Passing | None,
+        kept: BoolArray,
+        yaw: float,
+    ) -> int:
         """The cheapest admissible candidate; none: the one that stays clear the longest.
 
-        Who evades keeps on (m,) `kept` unless another way stays clear for longer by more than a
-        period: turning to and fro between ways out takes away the time for any of them.
+        Who evades keeps on (m,) `kept` unless another way can be expected to stay clear for longer
+        by `EVASION_BONUS`: turning to and fro between ways out takes away the time for any.
         """
         if outlook.admissible.any():
             return int(np.where(outlook.admissible, cost, np.inf).argmin())
         if outlook.static_ok.any():
-            clear, room = lasting(outlook, scene, self._spec, self._settings)
-            order = np.lexsort((cost, -room.round(2), -clear - EVASION_BONUS * kept))
-            return int(order[outlook.static_ok[order]][0])
+            lasts = lasting(outlook, scene, passing, yaw, self._spec, self._settings)
+            lasts += EVASION_BONUS * kept
+            return int(np.where(outlook.static_ok, lasts, -np.inf).argmax())
         return int(outlook.soon.argmax())
 
     def _judge(

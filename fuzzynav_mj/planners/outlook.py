@@ -10,11 +10,12 @@ from typing import NamedTuple
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
-from fuzzynav_mj.planners.clearance import FAR, gaps_on_the_way, gaps_to_standing, place
+from fuzzynav_mj.planners.clearance import FAR, gaps_to_standing, place
 from fuzzynav_mj.planners.motions import Motions
 from fuzzynav_mj.planners.passing import JUDGED
 from fuzzynav_mj.planners.scene import Scene
 from fuzzynav_mj.planners.settings import DecisionSettings
+from fuzzynav_mj.planners.survival import hold_against_movers
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
@@ -29,12 +30,10 @@ class Outlook(NamedTuple):
         poses: (m, T, 3) robot frame: driving on until just before what stands or
             is unseen, and stopped there from then on.
         static: (m,) smallest gap to what stands, m, at most `NEARBY`.
-        moving: (m,) smallest gap to what moves, m, whichever way it goes on ...
-        expected: (m,) ... and if it goes on as expected.
+        moving: (m,) smallest gap to what moves, m, whichever way it goes on.
+        alive: (m, T) likelihood that there was no contact with it up to each period's end.
         crowding: (m,) at the worst moment, how much is missing of the berth that movers are given.
         static_ok: (m,) True if the robot can stop in time.
-        contact_step: (m,) period of the first contact with a mover that goes on as expected;
-            T for none.
         soon: (m,) smallest gap to what stands in the next few periods, without stopping.
         admissible: (m,) True if the whole roll-out, stop included, keeps its margins.
     """
@@ -42,10 +41,9 @@ class Outlook(NamedTuple):
     poses: FloatArray
     static: FloatArray
     moving: FloatArray
-    expected: FloatArray
+    alive: FloatArray
     crowding: FloatArray
     static_ok: BoolArray
-    contact_step: IntArray
     soon: FloatArray
     admissible: BoolArray
 
@@ -71,7 +69,6 @@ def look_ahead(
         motions.brake_steps,
         scene,
         spec.max_yaw_acceleration * spec.decision_period**2,
-        settings.contact_gap,
         spec.half_side,
     )
 
@@ -118,7 +115,6 @@ def _prospects(
     brake_steps: IntArray,
     scene: Scene,
     slowing: float,
-    contact: float,
     half_side: float,
 ) -> Outlook:
     """What becomes of candidates that stop before what stands or is unseen.
@@ -130,7 +126,6 @@ def _prospects(
         brake_steps: (m,) periods it takes to stop driving.
         scene: what they are held against.
         slowing: by which a turn per period can slow down in a period, rad.
-        contact: a smaller gap to movers counts as contact, m.
         half_side: of the footprint, m.
     """
     count, periods = poses.shape[:2]
@@ -138,14 +133,13 @@ def _prospects(
         poses.copy(),
         np.full(count, FAR),
         np.full(count, FAR),
-        np.full(count, FAR),
+        np.empty((count, periods)),
         np.zeros(count),
         np.full(count, True),
-        np.full(count, periods),
         np.full(count, FAR),
         np.empty(count, dtype=np.bool_),
     )
-    placed, gaps, swerved = np.empty((4, periods)), np.empty(periods), np.empty(periods)
+    placed, gaps, elsewhere = np.empty((4, periods)), np.empty(periods), np.empty(periods)
     surely_seen = scene.ranges.min() ** 2
     for i in range(count):
         place(placed, poses[i], facing[i])
@@ -154,9 +148,8 @@ def _prospects(
         found.poses[i, stop + 1 :] = poses[i, stop]
         for row in range(4):
             placed[row, stop + 1 :] = placed[row, stop]
-        gaps_on_the_way(gaps, placed, scene.expected, half_side)
-        gaps_on_the_way(swerved, placed, scene.possible, half_side)
-        _meet_movers(found, i, gaps, swerved, scene, contact)
+        hold_against_movers(found.alive[i], gaps, elsewhere, placed, scene, half_side)
+        _meet_movers(found, i, gaps, elsewhere, scene)
     return found
 
 
@@ -203,18 +196,15 @@ def _stop_in_time(
 
 @compiled
 def _meet_movers(
-    found: Outlook, i: int, gaps: FloatArray, swerved: FloatArray, scene: Scene, contact: float
+    found: Outlook, i: int, gaps: FloatArray, elsewhere: FloatArray, scene: Scene
 ) -> None:
     """Holds candidate `i` against what moves, which comes near it in each period by the gaps (T,)
-    if it goes on as expected, and by `swerved` (T,) if not, m; fills in `moving`, `expected`,
-    `crowding`, `contact_step` and `admissible`."""
+    if it goes on as expected, and by `elsewhere` (T,) if not, m; fills in `moving`, `crowding` and
+    `admissible`."""
     kept = found.static_ok[i]
     for j in range(len(gaps)):
-        gap, nearest = gaps[j], min(gaps[j], swerved[j])
-        kept = kept and gap >= scene.wanted[j] and swerved[j] >= scene.unlikely[j]
-        if gap < contact:
-            found.contact_step[i] = min(found.contact_step[i], j)
-        found.expected[i] = min(found.expected[i], gap)
+        nearest = min(gaps[j], elsewhere[j])
+        kept = kept and gaps[j] >= scene.wanted[j] and elsewhere[j] >= scene.unlikely[j]
         found.moving[i] = min(found.moving[i], nearest)
         if j < JUDGED:
             found.crowding[i] = max(found.crowding[i], scene.berth[j] - nearest)

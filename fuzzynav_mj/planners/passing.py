@@ -55,6 +55,13 @@ class Passing:
         blocked = np.hypot(x - towards_x, y - towards_y) - hypot(towards_x, towards_y) + BLOCKED
         return _interpolate(self.value, x / CELL + self.half, y / CELL + self.half, blocked)
 
+    def leads_on(self, x: FloatArray, y: FloatArray) -> BoolArray:
+        """(m,) True for places, as in `worth`, from which there is a way on."""
+        free = np.where(self.value < NO_WAY, 0.0, NO_WAY)
+        half, blocked = self.half, np.full(len(x), NO_WAY)
+        way: BoolArray = _interpolate(free, x / CELL + half, y / CELL + half, blocked) < NO_WAY
+        return way
+
 
 def ways_past(
     sight: Sight, expected: FloatArray, target: FloatArray, settings: DecisionSettings

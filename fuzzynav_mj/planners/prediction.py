@@ -5,7 +5,8 @@ the spot as scripted ones do where their route ends; a candidate must stay clear
 How far one can swerve or come back within the time that the robot needs to react is what counts:
 later the robot will have looked and decided again. A mover whose speed towards the robot is still
 uncertain is also thought of as coming faster, and one whose direction noise makes uncertain as
-going astray to either side.
+going astray to either side. Where noise leaves much of a velocity open it may be more or less by
+one standard deviation.
 """
 
 from math import cos, hypot, sin
@@ -21,14 +22,18 @@ TURNED_BACK = 0.3  # s: a decision, and what the robot takes to be as fast as th
 TURNING = 0.3  # rad/s: a slower turn is as good as straight
 UNCERTAIN = 0.12  # m/s: a smaller uncertainty of the closing speed is not worth a thought
 LARGEST_SURPRISE = 0.5  # m/s
+# How likely ways are, in proportion: the expected one, turning back, and each of the others.
+EXPECTED_SHARE, BACK_SHARE, OTHER_SHARE = 4.0, 0.2, 1.0
 STEADY = 0.03  # m/s: a smaller uncertainty of the sideways speed is not worth a thought; of what
 DRIFTS = 3.0  # is beyond, so many standard deviations count, but of no more than ...
 LARGEST_DRIFT = 0.1  # m/s: ... this
 
 
-def displacements(obstacle: PerceivedObstacle, place: FloatArray, times: FloatArray) -> FloatArray:
+def displacements(
+    obstacle: PerceivedObstacle, place: FloatArray, times: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """(ways, T, 2) displacements after each of `times` (T,) on every way it may go on; the
-    expected way comes first.
+    expected way comes first. And (ways,) how likely each is, in all 1.
 
     Args:
         obstacle: a moving one.
@@ -38,7 +43,10 @@ def displacements(obstacle: PerceivedObstacle, place: FloatArray, times: FloatAr
     vx, vy = obstacle.velocity.tolist()
     x, y = (place - obstacle.nearest_point).tolist()
     drift = DRIFTS * min(max(obstacle.drift_sigma - STEADY, 0.0), LARGEST_DRIFT)
-    return _displacements(vx, vy, obstacle.turn_rate, obstacle.closing_sigma, drift, x, y, times)
+    unsure_x, unsure_y = obstacle.unsure.tolist()
+    return _displacements(
+        vx, vy, obstacle.turn_rate, obstacle.closing_sigma, drift, unsure_x, unsure_y, x, y, times
+    )
 
 
 @compiled
@@ -48,14 +56,20 @@ def _displacements(
     turn_rate: float,
     closing_sigma: float,
     drift: float,
+    unsure_x: float,
+    unsure_y: float,
     x: float,
     y: float,
     times: FloatArray,
-) -> FloatArray:
+) -> tuple[FloatArray, FloatArray]:
     """See `displacements`; the robot is at (x, y) from the mover's nearest point, m, and the mover
     may go astray to the sides at the speed `drift`, m/s."""
     turns, surprises = abs(turn_rate) > TURNING, closing_sigma > UNCERTAIN
-    ways = np.empty((4 + turns + surprises, len(times), 2))
+    unsure = hypot(unsure_x, unsure_y)
+    guesses = unsure > UNCERTAIN
+    ways = np.empty((4 + turns + surprises + 2 * guesses, len(times), 2))
+    shares = np.full(len(ways), OTHER_SHARE)
+    shares[0], shares[3 + turns] = EXPECTED_SHARE, BACK_SHARE
     speed, distance = max(hypot(vx, vy), 1e-9), max(hypot(x, y), 1e-9)
     surprise = min(closing_sigma, LARGEST_SURPRISE)
     for k in range(len(times)):
@@ -81,4 +95,10 @@ def _displacements(
         if surprises:
             share = t * surprise / distance
             ways[way, k] = forth_x + share * x, forth_y + share * y
-    return ways
+            way += 1
+        if guesses:
+            share = t * min(1.0, LARGEST_SURPRISE / unsure) if t <= SWERVE_TIME + 1e-9 else 0.0
+            for side in (share, -share):
+                ways[way, k] = forth_x + side * unsure_x, forth_y + side * unsure_y
+                way += 1
+    return ways, shares / shares.sum()

@@ -10,7 +10,7 @@ from fuzzynav_mj.planners.motions import HORIZON
 from fuzzynav_mj.planners.settings import DecisionSettings
 from fuzzynav_mj.planners.surroundings import Surroundings, period_ends
 from fuzzynav_mj.robot import RobotSpec
-from fuzzynav_mj.types import FloatArray, Pose2D
+from fuzzynav_mj.types import FloatArray, IntArray, Pose2D
 
 
 class Scene(NamedTuple):
@@ -23,9 +23,11 @@ class Scene(NamedTuple):
         times: (T,) ends of the periods, s from now.
         expected: (2, k, T) points of movers as far as their motion can be foreseen ...
         possible: (2, j, T) ... and where else they may be.
+        outlines, shares: of these points, as in `Surroundings`.
         wanted: (T,) gap that an admissible candidate keeps to the former, m ...
         unlikely: (T,) ... and to the latter.
         berth: (T,) gap below which a candidate costs more.
+        risky: (T,) gap, beyond touch, below which contact cannot be ruled out.
     """
 
     standing: FloatArray
@@ -34,16 +36,24 @@ class Scene(NamedTuple):
     times: FloatArray
     expected: FloatArray
     possible: FloatArray
+    outlines: IntArray
+    shares: FloatArray
     wanted: FloatArray
     unlikely: FloatArray
     berth: FloatArray
+    risky: FloatArray
 
     def later(self, periods: int) -> "Scene":
         """The scene without its first periods."""
-        times = self.times[: len(self.times) - periods]
-        moving = self.expected, self.possible, self.wanted, self.unlikely, self.berth
-        left = [np.ascontiguousarray(each[..., periods:]) for each in moving]
-        return Scene(self.standing, self.ranges, self.turn, times, *left)
+        return self._replace(
+            times=self.times[: len(self.times) - periods],
+            expected=np.ascontiguousarray(self.expected[..., periods:]),
+            possible=np.ascontiguousarray(self.possible[..., periods:]),
+            wanted=self.wanted[periods:],
+            unlikely=self.unlikely[periods:],
+            berth=self.berth[periods:],
+            risky=self.risky[periods:],
+        )
 
 
 def scene_around(
@@ -63,10 +73,13 @@ def scene_around(
         times=times,
         expected=expected,
         possible=possible,
+        outlines=around.outlines,
+        shares=around.shares,
         wanted=wanted,
         unlikely=share * wanted,
         berth=settings.moving_gap
         + settings.moving_gap_growth * np.minimum(times, settings.moving_gap_time),
+        risky=settings.risky_gap + settings.risky_gap_growth * times,
     )
 
 

@@ -18,11 +18,13 @@ class DecisionSettings:
         moving_margin_growth: ... and per second of prediction.
         unlikely_share: share of it that is kept to where movers may be, but are not expected ...
         doubtful: ... unless a speed is as uncertain as this, m/s: then all of it is kept.
-        contact_gap: a smaller predicted gap counts as contact.
         moving_gap: gap to movers below which a candidate costs more, now ...
         moving_gap_growth: ... and per second of prediction, which grows ever less certain ...
         moving_gap_time: ... up to this time.
         moving_weight: cost per metre missing of it, at the worst moment.
+        risky_gap: gap to movers, beyond touch, below which contact cannot be ruled out, now ...
+        risky_gap_growth: ... and per second of prediction.
+        contact_cost: what contact with a mover costs, times how likely it is.
         reverse_cost: what driving backwards costs.
         waiting_cost: what standing still costs where nothing moves.
         change_cost: cost per radian of a new direction of travel.
@@ -46,11 +48,13 @@ class DecisionSettings:
     moving_margin_growth: float = 0.03
     unlikely_share: float = 0.4
     doubtful: float = 0.05
-    contact_gap: float = 0.01
     moving_gap: float = 0.13
     moving_gap_growth: float = 0.10
     moving_gap_time: float = 1.0
-    moving_weight: float = 1.0
+    moving_weight: float = 0.25
+    risky_gap: float = 0.033
+    risky_gap_growth: float = 0.11
+    contact_cost: float = 1.0
     reverse_cost: float = 0.10
     waiting_cost: float = 0.3
     change_cost: float = 0.02

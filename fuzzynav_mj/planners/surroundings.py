@@ -11,7 +11,7 @@ from fuzzynav_mj.planners.passing import OUTLOOK
 from fuzzynav_mj.planners.prediction import displacements
 from fuzzynav_mj.planners.sight import Sight, thin
 from fuzzynav_mj.robot import RobotSpec
-from fuzzynav_mj.types import BoolArray, FloatArray, Perception, Pose2D
+from fuzzynav_mj.types import BoolArray, FloatArray, IntArray, Perception, Pose2D
 
 LONGEST_HIDDEN = 1.0  # m of an outline that is thought to go on behind a mover
 MOVER_SPACING = 0.10  # as `sight.SPACING`, for movers: their margins are wider
@@ -27,12 +27,16 @@ class Surroundings:
         expected: (OUTLOOK, k, 2) where points of what moves will be at the end of each period, as
             far as its motion can be foreseen ...
         possible: (HORIZON, j, 2) ... and where else they may be.
+        outlines: (movers, 2) how many of these points, and how many ways to go on, each has.
+        shares: (ways,) how likely each of these is, mover by mover.
         doubt: the largest uncertainty of a mover's speed towards the robot, m/s.
     """
 
     sight: Sight
     expected: FloatArray
     possible: FloatArray
+    outlines: IntArray
+    shares: FloatArray
     doubt: float
 
 
@@ -47,6 +51,8 @@ def surroundings(perception: Perception, pose: Pose2D, spec: RobotSpec) -> Surro
     ranges, hidden = scan.ranges, np.zeros(len(bearings), dtype=bool)
     expected = [np.empty((OUTLOOK, 0, 2))]
     possible = [np.empty((HORIZON, 0, 2))]
+    outlines: list[tuple[int, int]] = []
+    shares = [np.empty(0)]
     if movers:
         hits = np.ascontiguousarray(np.concatenate([mover.points for mover in movers]))
         ranges, hidden, behind = _seen_through(ranges, bearings, hits, place, scan.max_range)
@@ -54,13 +60,18 @@ def surroundings(perception: Perception, pose: Pose2D, spec: RobotSpec) -> Surro
         here, times = np.array(place), period_ends(spec, OUTLOOK)
         for mover in movers:
             outline = thin(mover.points, MOVER_SPACING, place)
-            onward, else_where = _carried(outline, displacements(mover, here, times), HORIZON)
+            ways, likely = displacements(mover, here, times)
+            onward, else_where = _carried(outline, ways, HORIZON)
+            outlines.append((len(outline), len(ways)))
+            shares.append(likely)
             expected.append(onward)
             possible.append(else_where)
     return Surroundings(
         Sight(points, bearings, ranges, scan.max_range, hidden),
         np.concatenate(expected, axis=1),
         np.concatenate(possible, axis=1),
+        np.array(outlines, dtype=np.intp).reshape(-1, 2),
+        np.concatenate(shares),
         max((mover.closing_sigma for mover in movers), default=0.0),
     )
 

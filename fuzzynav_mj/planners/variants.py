@@ -117,4 +117,5 @@ def _stopped(obstacle: PerceivedObstacle) -> PerceivedObstacle:
         turn_rate=0.0,
         closing_sigma=0.0,
         drift_sigma=0.0,
+        unsure=np.zeros(2),
     )

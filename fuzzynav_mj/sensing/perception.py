@@ -262,6 +262,7 @@ def _perceived(
         turn_rate=track.turn_rate,
         closing_sigma=track.sigma_along(x / reach, y / reach),
         drift_sigma=_across(track) if noise > 0.0 else 0.0,
+        unsure=track.least_known if noise > 0.0 else np.zeros(2),
     )
 
 

@@ -7,7 +7,7 @@ velocity; the filter in velocity_filter.py learns that velocity.
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import hypot, inf, sqrt
+from math import atan2, cos, hypot, inf, sin, sqrt
 
 import numpy as np
 
@@ -126,6 +126,15 @@ class Track:
         """Uncertainty of the speed along the unit vector (x, y), m/s."""
         (xx, xy), (_, yy) = self.covariance[:2, :2].tolist()
         return sqrt(xx * x * x + 2.0 * xy * x * y + yy * y * y)
+
+    @property
+    def least_known(self) -> FloatArray:
+        """(2,) the direction in which least is known of the velocity, as long as its uncertainty
+        there, m/s."""
+        (xx, xy), (_, yy) = self.covariance[:2, :2].tolist()
+        angle = atan2(2.0 * xy, xx - yy) / 2.0
+        x, y = cos(angle), sin(angle)
+        return self.sigma_along(x, y) * np.array([x, y])
 
     def moves_for_certain(self, sigmas: float) -> bool:
         """True if the velocity lies so many standard deviations from none at all."""

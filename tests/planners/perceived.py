@@ -18,6 +18,7 @@ def mover(
     closing_sigma: float = 0.0,
     dynamic: bool = True,
     drift_sigma: float = 0.0,
+    unsure: npt.ArrayLike = (0.0, 0.0),
 ) -> PerceivedObstacle:
     """An obstacle that moves, seen by a robot at the origin that faces +x."""
     spots, speed = np.array(points, dtype=float), np.array(velocity, dtype=float)
@@ -33,4 +34,5 @@ def mover(
         turn_rate=turn_rate,
         closing_sigma=closing_sigma,
         drift_sigma=drift_sigma,
+        unsure=np.array(unsure, dtype=float),
     )

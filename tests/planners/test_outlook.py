@@ -74,6 +74,6 @@ def test_movers_far_away_make_no_difference_and_near_ones_crowd() -> None:
     assert outlook(motions, expected=far).crowding[-1] == 0.0
     berth = SETTINGS.moving_gap + SETTINGS.moving_gap_growth * 0.9
     assert outlook(motions, expected=near).crowding[-1] == pytest.approx(berth - 0.12)
-    assert outlook(motions, expected=near).expected[-1] == pytest.approx(0.12)
+    assert outlook(motions, expected=near).moving[-1] == pytest.approx(0.12)
     touched = outlook(motions, expected=np.array([[0.0, SPEC.half_side]]))
-    assert touched.contact_step[-1] == 0 and not touched.admissible[-1]
+    assert touched.alive[-1, 0] == 0.0 and not touched.admissible[-1]

@@ -29,7 +29,7 @@ def ways(
 ) -> list[FloatArray]:
     """The predictions for a mover whose nearest point is (0.6, 0)."""
     seen = mover([(0.6, 0.0), (0.65, 0.1)], velocity, turn_rate, closing_sigma)
-    return displacements(seen, place, times)
+    return list(displacements(seen, place, times)[0])
 
 
 def among(found: list[FloatArray], wanted: FloatArray) -> bool:
@@ -105,9 +105,12 @@ def test_turned_world_turns_the_prediction(
     turn = rotation(angle)
     velocity = np.array([speed * cos(heading), speed * sin(heading)])
     points = np.array([(0.6, 0.0), (0.65, 0.1)])
-    plain = displacements(mover(points, velocity, turn_rate, sigma), HERE, TIMES)
-    turned = displacements(mover(points @ turn.T, turn @ velocity, turn_rate, sigma), HERE, TIMES)
+    plain, likely = displacements(mover(points, velocity, turn_rate, sigma), HERE, TIMES)
+    turned, as_likely = displacements(
+        mover(points @ turn.T, turn @ velocity, turn_rate, sigma), HERE, TIMES
+    )
     assert len(plain) == len(turned)
+    np.testing.assert_allclose(likely, as_likely, rtol=1e-12)
     for one, other in zip(plain, turned, strict=True):
         np.testing.assert_allclose(one @ turn.T, other, atol=1e-9)
 
@@ -136,7 +139,7 @@ def test_a_mover_of_uncertain_direction_may_go_astray_to_both_sides() -> None:
 
     def widest(drift_sigma: float) -> float:
         seen = mover([(0.6, 0.0), (0.65, 0.1)], (-0.2, 0.0), drift_sigma=drift_sigma)
-        found = displacements(seen, HERE, TIMES)
+        found, _ = displacements(seen, HERE, TIMES)
         left, right = float(found[:, 7, 1].max()), float(found[:, 7, 1].min())
         assert left == pytest.approx(-right)
         return left  # after 0.8 s
@@ -152,3 +155,33 @@ def test_uncertain_closing_speed_is_met_with_caution() -> None:
     assert min(way[-1, 0] for way in unsure) < min(way[-1, 0] for way in sure) - 0.3
     for way in sure:
         assert among(unsure, way)
+
+
+@settings(max_examples=30, deadline=None)
+@given(speeds, angles, st.floats(-2.0, 2.0), st.floats(0.0, 0.6))
+def test_the_expected_way_is_the_likeliest_and_turning_back_the_least_likely(
+    speed: float, heading: float, turn_rate: float, sigma: float
+) -> None:
+    seen = mover([(0.6, 0.0)], (speed * cos(heading), speed * sin(heading)), turn_rate, sigma)
+    found, likely = displacements(seen, HERE, TIMES)
+    assert likely.shape == (len(found),) and likely.sum() == pytest.approx(1.0)
+    assert likely.argmax() == 0
+    going_back = found[:, 0] @ seen.velocity < -0.5 * 0.1 * speed**2
+    assert likely.argmin() in np.flatnonzero(going_back)
+
+
+def test_a_mover_may_go_on_faster_or_slower_where_least_is_known_of_its_velocity() -> None:
+    """A flat side seen alone: by one standard deviation to both sides, for 0.8 s, but by no more
+    than 0.5 m/s; and not at all where the velocity is known to 0.12 m/s."""
+    spots, velocity = [(0.6, 0.0), (0.6, 0.1)], (-0.2, 0.0)
+    known = mover(spots, velocity)
+    for sigma, speed in ((0.12, 0.0), (0.3, 0.3), (0.8, 0.5)):
+        seen = mover(spots, velocity, unsure=(0.0, sigma))
+        found, _ = displacements(seen, HERE, TIMES)
+        plain, _ = displacements(known, HERE, TIMES)
+        assert len(found) == len(plain) + (2 if speed > 0.0 else 0)
+        assert np.array_equal(found[: len(plain)], plain)
+        aside = np.where(TIMES <= 0.8 + 1e-9, speed * TIMES, 0.0)
+        for way, side in zip(found[len(plain) :], (1.0, -1.0), strict=False):
+            expected = plain[0] + side * np.stack((np.zeros_like(aside), aside), axis=1)
+            np.testing.assert_allclose(way, expected, atol=1e-12)

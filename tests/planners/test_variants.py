@@ -80,7 +80,12 @@ def test_without_prediction_movers_stand_where_they_are_seen() -> None:
         np.zeros((4, 1), dtype=bool), np.zeros(4, dtype=int), np.zeros(4, dtype=int)
     )
     moves = mover(
-        [[0.5, 0.1], [0.5, 0.0]], (-0.3, 0.0), turn_rate=0.5, closing_sigma=0.1, drift_sigma=0.1
+        [[0.5, 0.1], [0.5, 0.0]],
+        (-0.3, 0.0),
+        turn_rate=0.5,
+        closing_sigma=0.1,
+        drift_sigma=0.1,
+        unsure=(0.0, 0.2),
     )
     stands = standing([[0.0, 0.4]])
     seen = Observation(
@@ -96,6 +101,7 @@ def test_without_prediction_movers_stand_where_they_are_seen() -> None:
     assert told.points is moves.points and told.distance == moves.distance
     assert (told.velocity.tolist(), told.turn_rate, told.closing_sigma) == ([0.0, 0.0], 0.0, 0.0)
     assert not told.approaching and told.drift_sigma == 0.0
+    assert told.unsure.tolist() == [0.0, 0.0]
     assert other.points is stands.points
     assert witness.given.scan is scan
     assert (witness.given.pose, witness.given.twist) == (seen.pose, seen.twist)

@@ -223,3 +223,19 @@ def test_uncertainty_along_a_direction_is_that_of_the_covariance() -> None:
     direction = np.array([3.0, -4.0]) / hypot(3.0, 4.0)
     expected = float(np.sqrt(direction @ track.covariance[:2, :2] @ direction))
     assert track.sigma_along(*direction.tolist()) == pytest.approx(expected, rel=1e-12)
+
+
+def test_of_a_flat_side_least_is_known_along_it() -> None:
+    """FACE lies along the x axis; of CORNER both directions are measured."""
+    flat = followed(FACE, np.array([0.2, 0.3]), 6).least_known
+    assert abs(flat[1]) < 0.01 * abs(flat[0]) and np.hypot(*flat) > 0.25
+    assert np.hypot(*followed(CORNER, np.array([0.2, 0.3]), 6).least_known) < 0.05
+
+
+def test_least_known_is_the_longest_axis_of_the_uncertainty() -> None:
+    track = Track.begin(np.zeros(2))
+    turn = np.array([[cos(0.7), -sin(0.7)], [sin(0.7), cos(0.7)]])
+    track.covariance[:2, :2] = turn @ np.diag([0.01, 0.09]) @ turn.T
+    x, y = track.least_known
+    assert hypot(x, y) == pytest.approx(0.3)
+    assert abs(x * cos(0.7) + y * sin(0.7)) < 1e-12  # across the shorter axis
