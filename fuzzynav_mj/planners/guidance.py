@@ -7,7 +7,7 @@ when movers drove the robot off. The fuzzy gate may hold the robot up; it never 
 """
 
 from dataclasses import dataclass
-from math import atan2, cos, hypot, inf, pi, sin
+from math import asin, atan2, cos, hypot, inf, pi, sin
 from typing import Literal
 
 import numpy as np
@@ -249,6 +249,8 @@ class Guidance:
         ):
             return False
         width = self._settings.comfortable
+        if following is not None and _is_hidden(bearing, asin(width / sight.max_range), sight):
+            return False  # what a mover hides is no reason to leave
         return free_ahead(sight.points, bearing, width) >= sight.max_range - width
 
     def _begin(
@@ -318,3 +320,11 @@ class Guidance:
             return False
         following.turn_round(place, other)
         return True
+
+
+def _is_hidden(bearing: float, beside: float, sight: Sight) -> bool:
+    """True if a mover hides what lies within so much of a bearing, rad."""
+    if sight.hidden is None:
+        return False
+    off = np.cos(sight.bearings[sight.hidden] - bearing)
+    return bool((off > cos(beside)).any())

@@ -4,12 +4,14 @@ import pickle
 from itertools import pairwise
 from math import hypot, inf
 
+import numpy as np
 import pytest
 from point_world import Point, Walk, box, sight_at, walk, walls
 
 from fuzzynav_mj.planners.boundary import Following
 from fuzzynav_mj.planners.guidance import Guidance
 from fuzzynav_mj.planners.settings import GuidanceSettings
+from fuzzynav_mj.planners.sight import Sight
 from fuzzynav_mj.types import FloatArray
 
 TOUCH = 0.11  # m: half the robot's side and a centimetre
@@ -361,3 +363,14 @@ def test_boundary_is_begun_on_the_side_that_leads_nearer_to_the_goal(mirror: flo
         heading = guidance.head(away, sight_at(wall, away))
     assert heading.mode == "boundary"
     assert mirror * (heading.subgoal[1] - away[1]) < 0.0
+
+
+@pytest.mark.parametrize("hidden", [False, True])
+def test_what_a_mover_hides_is_no_reason_to_leave_a_boundary(hidden: bool) -> None:
+    """Past the end of a wall the goal is in straight reach, unless a mover stands in between."""
+    guidance = Guidance((3.0, 0.0), 0.1)
+    place, beyond = (1.2, 0.0), sight_at(box(0.4, -0.5, 0.6, 0.5), (1.2, 0.0))
+    guidance._following = Following(1, (0.0, 0.0), (0.6, 0.0), 2.9, 2.9)
+    covered = np.cos(beyond.bearings) > 0.99 if hidden else np.zeros(len(beyond.bearings), bool)
+    sight = Sight(beyond.points, beyond.bearings, beyond.ranges, beyond.max_range, covered)
+    assert guidance.head(place, sight).direct is not hidden
