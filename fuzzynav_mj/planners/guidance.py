@@ -3,7 +3,8 @@
 A bug algorithm with a range sensor (Kamon, Rimon, Rivlin 1998, TangentBug; the leaving condition
 with a minimum gain is DistBug's, Kamon, Rivlin 1997). Its memory is of constant size: what
 `boundary.Following` holds of the followed boundary, the way taken last, how near to the goal ways
-have led, and the side gone round when movers drove the robot off. The fuzzy gate may hold the robot up; it never touches this state.
+have led, and the side gone round when movers drove the robot off. The fuzzy gate may hold the robot
+up; it never touches this state.
 """
 
 from dataclasses import dataclass
