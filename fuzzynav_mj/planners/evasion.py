@@ -12,7 +12,7 @@ import numpy as np
 from fuzzynav_mj.planners.clearance import facings
 from fuzzynav_mj.planners.motions import HORIZON, Motions, candidate_motions
 from fuzzynav_mj.planners.outlook import Outlook, look_ahead
-from fuzzynav_mj.planners.passing import JUDGED, OUTLOOK, Passing
+from fuzzynav_mj.planners.passing import JUDGED, OUTLOOK, Passing, judged_places
 from fuzzynav_mj.planners.scene import Scene
 from fuzzynav_mj.planners.settings import DecisionSettings
 from fuzzynav_mj.robot import RobotSpec
@@ -65,9 +65,7 @@ def _periods(
     says; those after it where a way leads on from its pose after the periods `JUDGED` (m, 3)."""
     lasts: FloatArray = alive.sum(axis=1)
     if passing is not None:
-        c, s = cos(yaw), sin(yaw)
-        x, y = judged[:, 0], judged[:, 1]
-        leads_on = passing.leads_on(c * x - s * y, s * x + c * y)
+        leads_on = passing.leads_on(*judged_places(judged, yaw))
         lasts += (OUTLOOK - HORIZON) * alive[:, -1] * leads_on
     return lasts
 

@@ -133,13 +133,13 @@ class Guidance:
             following.begin_anew(place, distance)
         edge = following.edge
         chosen = following.along(place, sight, ways)
-        remains = float(np.hypot(*(ways.end[chosen] - goal)))
-        following.reached = min(following.reached, remains)
+        left_over = float(np.hypot(*(ways.end[chosen] - goal)))
+        following.reached = min(following.reached, left_over)
         if among_movers and not same_boundary(place, sight, edge, following.edge):
             self._driven_off = (following.side, place)
             following.begin_anew(place, distance)
             following.watch(place, goal, sight, self._settings)
-        cost = float(ways.length[chosen]) + remains
+        cost = float(ways.length[chosen]) + left_over
         if self._other_side_pays(place, sight, cost, following):
             chosen = following.along(place, sight, ways)
         return self._follow(place, sight, ways, chosen, following)
@@ -152,7 +152,7 @@ class Guidance:
             self._following, self._promised = None, inf
         self._bearing = atan2(goal[1], goal[0])
         ahead = ray_at(self._bearing, sight)
-        if distance > sight.max_range and len(walls.ends) > 0:
+        if distance > sight.max_range and walls.runs_on.any():
             ways = straight_ways_in(sight, self._settings)
             taken = way_beside_walls(ahead, goal, sight, ways, walls, self._settings)
             if taken != ahead:
@@ -165,15 +165,15 @@ class Guidance:
         """The shortest way to the goal, as far as can be seen; where all lead away from it, a
         boundary is followed from now on."""
         ahead = ray_at(atan2(goal[1], goal[0]), sight)
-        best, remains = shortest_way(
+        best, left_over = shortest_way(
             ahead, sight.ranges, sight.max_range,
             ways.open, ways.length, ways.end, goal, self._settings.blind_penalty,
         )  # fmt: skip
         bearing = float(sight.bearings[best])
-        nearer = remains < float(np.hypot(*goal))
+        nearer = left_over < float(np.hypot(*goal))
         if nearer and not self._turned_back(bearing):
             self._bearing = bearing
-            self._promised = min(self._promised, remains)
+            self._promised = min(self._promised, left_over)
             best = way_beside_walls(best, goal, sight, ways, walls, self._settings)
             return self._onward(place, ways.first_point(best))
         if self._onward_to is not None and self._doubts < DOUBTS:
@@ -250,7 +250,7 @@ class Guidance:
         ):
             return False
         width = self._settings.comfortable
-        if following is not None and _is_hidden(bearing, asin(width / sight.max_range), sight):
+        if following is not None and sight.is_hidden(bearing, asin(width / sight.max_range)):
             return False  # what a mover hides is no reason to leave
         return free_ahead(sight.points, bearing, width) >= sight.max_range - width
 
@@ -291,8 +291,8 @@ class Guidance:
         steps = int(ways.open[beyond].argmax())
         ray = int(beyond[steps])
         edge = blocking_point(place, sight, int(beyond[max(steps - 1, 0)]))
-        remains = np.hypot(*(ways.end[ray] - goal))
-        return Alternative(place, edge, float(ways.length[ray] + remains))
+        left_over = np.hypot(*(ways.end[ray] - goal))
+        return Alternative(place, edge, float(ways.length[ray] + left_over))
 
     def _other_side_pays(
         self, place: Point, sight: Sight, cost: float, following: Following
@@ -321,11 +321,3 @@ class Guidance:
             return False
         following.turn_round(place, other)
         return True
-
-
-def _is_hidden(bearing: float, beside: float, sight: Sight) -> bool:
-    """True if a mover hides what lies within so much of a bearing, rad."""
-    if sight.hidden is None:
-        return False
-    off = np.cos(sight.bearings[sight.hidden] - bearing)
-    return bool((off > cos(beside)).any())

@@ -18,7 +18,7 @@ from fuzzynav_mj.planners.evasion import lasting
 from fuzzynav_mj.planners.guidance import Guidance, Heading
 from fuzzynav_mj.planners.motions import Motions, candidate_motions, places_after
 from fuzzynav_mj.planners.outlook import Outlook, look_ahead
-from fuzzynav_mj.planners.passing import JUDGED, Passing, ways_past
+from fuzzynav_mj.planners.passing import JUDGED, Passing, judged_places, ways_past
 from fuzzynav_mj.planners.priorities import (
     closest_approach,
     secondary_costs,
@@ -155,9 +155,8 @@ class MultilayerPlanner:
             # Waiting is for movers: among what stands it would last for ever.
             alone += settings.waiting_cost * stand_still(outlook.poses, STANDING)
             return alone, alone
-        c, s = cos(pose.yaw), sin(pose.yaw)
-        x, y = outlook.poses[:, JUDGED - 1, 0], outlook.poses[:, JUDGED - 1, 1]
-        cost = passing.worth(c * x - s * y, s * x + c * y) + other
+        places = judged_places(outlook.poses[:, JUDGED - 1], pose.yaw)
+        cost = passing.worth(*places) + other
         cost += settings.passing_length * way_lengths(outlook.poses, JUDGED)
         cost += settings.moving_weight * outlook.crowding
         cost += settings.contact_cost * (1.0 - outlook.alive[:, -1])
@@ -181,8 +180,7 @@ class MultilayerPlanner:
             return int(np.where(outlook.admissible, cost, np.inf).argmin())
         if outlook.static_ok.any():
             lasts = lasting(outlook, scene, passing, yaw, self._spec, self._settings)
-            lasts += EVASION_BONUS * kept
-            return int(np.where(outlook.static_ok, lasts, -np.inf).argmax())
+            return int((lasts + EVASION_BONUS * kept).argmax())
         return int(outlook.soon.argmax())
 
     def _judge(

@@ -9,7 +9,7 @@ candidate's place is worth. It is a guide only: what is safe is decided on the r
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import floor, hypot, pi
+from math import cos, floor, hypot, pi, sin
 
 import numpy as np
 
@@ -61,6 +61,13 @@ class Passing:
         half, blocked = self.half, np.full(len(x), NO_WAY)
         way: BoolArray = _interpolate(free, x / CELL + half, y / CELL + half, blocked) < NO_WAY
         return way
+
+
+def judged_places(judged: FloatArray, yaw: float) -> tuple[FloatArray, FloatArray]:
+    """(m,) x and (m,) y, as `Passing` takes them, of poses (m, 3) in the frame of a robot at this
+    yaw."""
+    c, s, x, y = cos(yaw), sin(yaw), judged[:, 0], judged[:, 1]
+    return c * x - s * y, s * x + c * y
 
 
 def ways_past(

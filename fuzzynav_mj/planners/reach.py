@@ -1,4 +1,4 @@
-"""How far a disc can move among points, before it meets one."""
+"""How far a disc can move among points, or a ray reaches, before it meets something."""
 
 from math import asin, atan2, cos, floor, hypot, inf, pi, sin, sqrt
 
@@ -65,3 +65,11 @@ def free_on_rays(
                     free[w, i] = min(free[w, i], _until_met(along, across, widths[w]))
             i = i + 1 if i + 1 < count else 0
     return free
+
+
+@compiled
+def range_of_line(x: float, y: float, along_x: float, along_y: float, c: float, s: float) -> float:
+    """How far a ray of this direction, given by its cosine and sine, goes until it meets the line
+    through (x, y) along (along_x, along_y); negative behind it, inf where they are parallel."""
+    across = c * along_y - s * along_x
+    return inf if across == 0.0 else (x * along_y - y * along_x) / across

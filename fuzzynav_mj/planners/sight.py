@@ -4,7 +4,7 @@ Only standing obstacles count here; what moves is left to the roll-outs.
 """
 
 from dataclasses import dataclass
-from math import floor, sqrt
+from math import cos, floor, sqrt
 
 import numpy as np
 
@@ -33,6 +33,13 @@ class Sight:
     ranges: FloatArray
     max_range: float
     hidden: BoolArray | None = None
+
+    def is_hidden(self, bearing: float, beside: float) -> bool:
+        """True if a mover stops a ray less than `beside` off a bearing, both rad."""
+        if self.hidden is None:
+            return False
+        off = np.cos(self.bearings[self.hidden] - bearing)
+        return bool((off > cos(beside)).any())
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,6 +9,7 @@ from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.planners.motions import HORIZON
 from fuzzynav_mj.planners.passing import OUTLOOK
 from fuzzynav_mj.planners.prediction import displacements
+from fuzzynav_mj.planners.reach import range_of_line
 from fuzzynav_mj.planners.sight import Sight, thin
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray, Perception, Pose2D
@@ -140,10 +141,7 @@ def _seen_through(
         for step in range(length):
             ray = (first + step) % count
             c, s = cos(bearings[ray]), sin(bearings[ray])
-            across = c * along_y - s * along_x
-            if across == 0.0:
-                continue
-            reach = (x * along_y - y * along_x) / across
+            reach = range_of_line(x, y, along_x, along_y, c, s)
             if ranges[ray] < reach < max_range:
                 free[ray] = reach
                 behind[found] = reach * c, reach * s

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
+from fuzzynav_mj.planners.reach import range_of_line
 from fuzzynav_mj.planners.sight import Sight
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
@@ -105,9 +106,8 @@ def _is_straight(x: FloatArray, y: FloatArray, first: int, steps: int) -> bool:
 @compiled
 def _range_on(wall: FloatArray, bearing: float) -> float:
     """Range at which a ray meets the line through a wall's ends (4,), m; inf if it does not."""
-    x, y, along_x, along_y = wall[0], wall[1], wall[2] - wall[0], wall[3] - wall[1]
-    across = cos(bearing) * along_y - sin(bearing) * along_x
-    meets = np.inf if across == 0.0 else (x * along_y - y * along_x) / across
+    x, y = wall[0], wall[1]
+    meets = range_of_line(x, y, wall[2] - x, wall[3] - y, cos(bearing), sin(bearing))
     return meets if meets > 0.0 else np.inf
 
 
@@ -127,10 +127,11 @@ def _closed(
     count, closed = len(ranges), ranges.copy()
     points, found = np.empty((count, 2)), 0
     for k in range(len(walls.ends)):
-        one, other = walls.ends[k], walls.ends[(k + 1) % len(walls.ends)]
-        first, last = walls.rays[k, 1] + 1, walls.rays[(k + 1) % len(walls.ends), 0]
-        between = (last - first) % count
-        if not walls.runs_on[k, 1] or not walls.runs_on[(k + 1) % len(walls.ends), 0]:
+        after = (k + 1) % len(walls.ends)
+        one, other = walls.ends[k], walls.ends[after]
+        first = walls.rays[k, 1] + 1
+        between = (walls.rays[after, 0] - first) % count
+        if not walls.runs_on[k, 1] or not walls.runs_on[after, 0]:
             continue
         if not _meet(one, other, reach):
             continue
