@@ -16,6 +16,7 @@ from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.sensing.claims import claimed
 from fuzzynav_mj.sensing.cleaning import clean_scan
 from fuzzynav_mj.sensing.flow import motion_flags, point_flow
+from fuzzynav_mj.sensing.free_space import LOOKS, FreeSpace
 from fuzzynav_mj.sensing.hidden import hidden_part
 from fuzzynav_mj.sensing.looks import Look, take_clean_look, take_look
 from fuzzynav_mj.sensing.outline import outline_around, outline_of
@@ -102,6 +103,7 @@ class Perceiver:
         self._settings = settings
         self._noise = sensor.range_noise_m
         self._unreliable = sensor.range_noise_m > 0.0 or sensor.dropouts > 0.0
+        self._past: deque[Look] = deque(maxlen=LOOKS)
         self._looks: deque[tuple[Look, BoolArray]] = deque(maxlen=settings.looks)
         self._tracks: list[Track] = []
         self._beliefs = Beliefs(
@@ -146,10 +148,11 @@ class Perceiver:
     ) -> tuple[PerceivedObstacle, ...]:
         """What the hits belong to; takes them in."""
         known = list(self._tracks)
+        space = FreeSpace(now, list(self._past), self._noise)
         for number, track in enumerate(known):
             chosen = (owners == number).nonzero()[0]
             if len(chosen):
-                others = track.take_in(outline_of(hits, chosen, now), now, self._beliefs)
+                others = track.take_in(outline_of(hits, chosen, now), space, self._beliefs)
                 owners[chosen[others]] = NEW
         taken = np.zeros(len(now.ranges), dtype=bool)
         taken[hits.rays[owners >= 0]] = True
@@ -161,8 +164,9 @@ class Perceiver:
             if owner >= 0:
                 tracks[index] = known[owner]
             elif owner == NEW and end - first >= 2:
-                tracks[index] = self._begin(np.arange(first, end), hits, flags, taken, now)
+                tracks[index] = self._begin(np.arange(first, end), hits, flags, taken, space)
         self._looks.append((now, taken))
+        self._past.append(now)
         self._unite(spans, tracks, hits)
         return tuple(
             _perceived(
@@ -175,7 +179,7 @@ class Perceiver:
         )
 
     def _begin(
-        self, chosen: IntArray, hits: Hits, flags: IntArray, taken: BoolArray, now: Look
+        self, chosen: IntArray, hits: Hits, flags: IntArray, taken: BoolArray, space: FreeSpace
     ) -> Track:
         """Begins a track of some hits, in the light of what was seen about their place before."""
         shown = chosen[flags[chosen] != STATIC]
@@ -185,7 +189,7 @@ class Perceiver:
         extent = self._settings.mover_extent / 2
         before = [outline_around(look, others, x, y, extent) for look, others in self._looks]
         track = Track.begin(centre, before)
-        track.take_in(outline_of(hits, chosen, now), now, self._beliefs)
+        track.take_in(outline_of(hits, chosen, space.now), space, self._beliefs)
         self._tracks.append(track)
         taken[hits.rays[chosen]] = True
         return track

@@ -12,7 +12,7 @@ from math import atan2, cos, hypot, inf, sin, sqrt
 import numpy as np
 
 from fuzzynav_mj.sensing.claims import Expected
-from fuzzynav_mj.sensing.looks import Look
+from fuzzynav_mj.sensing.free_space import FreeSpace
 from fuzzynav_mj.sensing.outline import Outline, in_one, left_over
 from fuzzynav_mj.sensing.registration import misfit, strays
 from fuzzynav_mj.sensing.velocity_filter import (
@@ -94,8 +94,7 @@ class Track:
             centre: (2,) mean of its hits, world frame, m.
             before: what earlier looks, the newest last, showed about its place.
         """
-        sigmas = np.array([FIRST_SPEED_SIGMA] * 2 + [ACCELERATION_SIGMA] * 2)
-        return cls(centre, np.zeros(4), np.diag(sigmas**2), deque(before, maxlen=REMEMBERED))
+        return cls(centre, *nothing_known(), deque(before, maxlen=REMEMBERED))
 
     @property
     def velocity(self) -> FloatArray:
@@ -161,12 +160,12 @@ class Track:
         self.state, self.covariance = carried_on(self.state, self.covariance, elapsed)
         self.missed += 1
 
-    def take_in(self, outline: Outline, look: Look, beliefs: Beliefs) -> BoolArray:
+    def take_in(self, outline: Outline, space: FreeSpace, beliefs: Beliefs) -> BoolArray:
         """Learns from what a look shows; in directions in which it shows none the belief stays.
 
         Args:
             outline: of the mover, k hits.
-            look: that they belong to.
+            space: the look that they belong to, and the free space of it and of earlier ones.
             beliefs: how far it can be trusted.
 
         Returns:
@@ -176,25 +175,23 @@ class Track:
         others = np.zeros(len(outline.joined), dtype=bool)
         gone = 0.0, 0.0
         if self.outlines:
-            oldest, newest = self.outlines[0], self.outlines[-1]
-            state, covariance = taken_in(
-                self.state, self.covariance, outline, (oldest, newest), len(self.outlines), look,
-                beliefs,
-            )  # fmt: skip
-            gone = gone_since(state, outline.stamp - newest.stamp)
+            state, covariance = self._learnt(outline, space, beliefs)
             if self.seen > 0:
-                tolerance = STRAY + STRAY_NOISE * beliefs.noise
-                others = strays(outline, newest, *gone, STRAY_REACH, tolerance)
-                # A slow difference shows only over the longer time.
-                since = gone_since(state, outline.stamp - oldest.stamp)
-                slow = strays(outline, oldest, *since, STRAY_REACH, tolerance)
-                if not slow.all():
-                    others |= slow
-                explained = len(others) - int(others.sum())
-                if explained < max(len(others) / 2, 2.0):
+                others = self._unexplained(state, outline, beliefs)
+                if len(others) - others.sum() < max(len(others) / 2, 2.0):
                     return np.ones(len(others), dtype=bool)
-                if explained < len(others):
-                    outline = left_over(outline, others)
+                own = left_over(outline, others) if others.any() else outline
+                strange, anew = space.strangers(state, own, self._shown)
+                if strange.any() or anew:
+                    others[np.flatnonzero(~others)[strange]] = True
+                    if others.sum() > len(others) - 2:
+                        return np.ones(len(others), dtype=bool)
+                    own = left_over(outline, others)
+                    if anew:
+                        self._forget()
+                    state, covariance = self._learnt(own, space, beliefs)
+                outline = own
+            gone = gone_since(state, outline.stamp - self.outlines[-1].stamp)
             self.state, self.covariance = state, covariance
         self.known_shift = self.shift = self.known_shift + gone
         self.centre = outline.points.mean(axis=1)
@@ -206,6 +203,37 @@ class Track:
             self.shift = self.known_shift = np.zeros(2)
         self.seen, self.missed, self.reach = self.seen + 1, 0, CLAIM
         return others
+
+    @property
+    def _shown(self) -> list[Outline]:
+        """Those of the outlines that the mover itself has shown."""
+        return list(self.outlines)[max(len(self.outlines) - self.seen, 0) :]
+
+    def _learnt(
+        self, outline: Outline, space: FreeSpace, beliefs: Beliefs
+    ) -> tuple[FloatArray, FloatArray]:
+        """State and covariance in the light of an outline and of free space."""
+        state, covariance = taken_in(
+            self.state, self.covariance, outline, (self.outlines[0], self.outlines[-1]),
+            len(self.outlines), space.now, beliefs,
+        )  # fmt: skip
+        return space.narrow(state, covariance, outline, self._shown)
+
+    def _unexplained(self, state: FloatArray, outline: Outline, beliefs: Beliefs) -> BoolArray:
+        """(k,) True for hits that a motion does not explain."""
+        tolerance = STRAY + STRAY_NOISE * beliefs.noise
+        oldest, newest = self.outlines[0], self.outlines[-1]
+        gone = gone_since(state, outline.stamp - newest.stamp)
+        others = strays(outline, newest, *gone, STRAY_REACH, tolerance)
+        # A slow difference shows only over the longer time.
+        gone = gone_since(state, outline.stamp - oldest.stamp)
+        slow = strays(outline, oldest, *gone, STRAY_REACH, tolerance)
+        return others if slow.all() else others | slow
+
+    def _forget(self) -> None:
+        """Forgets what was believed of its motion, and which outlines are its own."""
+        self.state, self.covariance = nothing_known()
+        self.fullest, self.most, self.seen = NOTHING, 0, 0
 
     def agrees(self, other: "Track") -> bool:
         """True if one velocity explains what both have seen."""
@@ -235,6 +263,12 @@ class Track:
         mine, theirs = np.linalg.inv(self.covariance), np.linalg.inv(other.covariance)
         covariance = np.ascontiguousarray(np.linalg.inv(mine + theirs))
         return covariance @ (mine @ self.state + theirs @ other.state), covariance
+
+
+def nothing_known() -> tuple[FloatArray, FloatArray]:
+    """State and covariance of a mover whose motion was not measured yet."""
+    sigmas = np.array([FIRST_SPEED_SIGMA] * 2 + [ACCELERATION_SIGMA] * 2)
+    return np.zeros(4), np.diag(sigmas**2)
 
 
 def expected_outlines(tracks: Sequence[Track], slack: float) -> Expected:

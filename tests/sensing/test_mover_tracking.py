@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from fuzzynav_mj.robot import DEFAULT_ROBOT
+from fuzzynav_mj.sensing.free_space import FreeSpace
 from fuzzynav_mj.sensing.lidar import ray_bearings
-from fuzzynav_mj.sensing.looks import Look, take_look
+from fuzzynav_mj.sensing.looks import take_look
 from fuzzynav_mj.sensing.outline import Outline, in_one
 from fuzzynav_mj.sensing.perception import Perceiver
 from fuzzynav_mj.sensing.tracking import Track
@@ -27,9 +28,10 @@ CORNER = ((0.0, 0.0), (0.12, 0.0), (0.12, 0.15))  # two faces at right angles
 FACE = ((0.0, 0.0), (0.15, 0.0))
 
 
-def look_at(stamp: float) -> Look:
-    empty = LaserScan(stamp, ray_bearings(12), np.full(12, 0.8), np.zeros(12, dtype=bool), 0.8)
-    return take_look(empty, Pose2D(0.0, 0.0, 0.0))
+def look_at(stamp: float) -> FreeSpace:
+    """A look of which nothing is known to be free."""
+    blind = LaserScan(stamp, ray_bearings(12), np.zeros(12), np.zeros(12, dtype=bool), 0.8)
+    return FreeSpace(take_look(blind, Pose2D(0.0, 0.0, 0.0)))
 
 
 def outline(

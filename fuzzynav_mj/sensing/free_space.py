@@ -1,0 +1,265 @@
+"""What free space tells of a mover's motion: where rays went by unhindered, it was not.
+
+A flat side does not show how it moves along itself, and its ends are known no better than the rays
+beside them are apart. But its outline of now, carried back, must not lie across a ray that went by
+earlier, nor an earlier outline, carried onward, across a ray of now. Velocities for which one would
+are ruled out, and what several looks leave open together is far less than any two of them. So even
+the first look at a mover tells how fast it must be to have come into view.
+
+If the velocity that is believed is ruled out itself, the outline is that of two movers, which no
+common motion explains.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import atan2, ceil, cos, exp, floor, pi, sin, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from fuzzynav_mj.compiled import compiled
+from fuzzynav_mj.sensing.looks import Look, ray_number
+from fuzzynav_mj.sensing.outline import Outline, convex_parts
+from fuzzynav_mj.sensing.velocity_filter import gone_since
+from fuzzynav_mj.types import BoolArray, FloatArray
+
+LOOKS = 4  # earlier looks whose free space counts
+KNOWN = 0.08  # m/s: a smaller uncertainty of a velocity is left as it is
+SPAN = 2.5  # standard deviations within which velocities are tried ...
+TRIED = 21  # ... so many of them, along each axis
+FREE = 0.015  # m: a ray went by if it reached this much farther; ...
+CONTRADICTION = 0.03  # ... this much, to put what is believed in doubt; besides ...
+FREE_NOISE = 3.0  # ... so many standard deviations of the ranges
+RECENT = 2  # looks that may contradict a belief: over more a mover may have turned
+
+
+class _Frame(NamedTuple):
+    """The velocities to try, more or less than the one believed: a grid along the axes of its
+    uncertainty.
+
+    Attributes:
+        x, y: the axis of the largest uncertainty; the other one is (-y, x).
+        most, least: standard deviations along them, m/s.
+        steps: how many are tried along the first ...
+        side_steps: ... and along the other axis; one where little is uncertain.
+    """
+
+    x: float
+    y: float
+    most: float
+    least: float
+    steps: int
+    side_steps: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FreeSpace:
+    """A look, and the free space of some before it.
+
+    Attributes:
+        now: the look.
+        past: earlier ones, the newest last; the last `LOOKS` of them count.
+        noise: standard deviation of their ranges, m.
+    """
+
+    now: Look
+    past: Sequence[Look] = ()
+    noise: float = 0.0
+
+    def narrow(
+        self, state: FloatArray, covariance: FloatArray, outline: Outline, before: Sequence[Outline]
+    ) -> tuple[FloatArray, FloatArray]:
+        """State (4,) and covariance (4, 4), as in velocity_filter.py, without the velocities that
+        are ruled out; as they are where all are, or none.
+
+        Args:
+            state, covariance: of the mover.
+            outline: of the mover, now.
+            before: its outlines in earlier looks.
+        """
+        frame = _frame(covariance)
+        if frame.steps * frame.side_steps == 1:
+            return state, covariance
+        tried = _velocities(frame)
+        ruled_out = np.zeros(len(tried), dtype=np.bool_)
+        margin = FREE + FREE_NOISE * self.noise
+        for look in self.past[-LOOKS:]:
+            _rule_out(ruled_out, outline, state, tried, look, margin)
+        for earlier in before:
+            _rule_out(ruled_out, earlier, state, tried, self.now, margin)
+        if ruled_out.all() or not ruled_out.any():
+            return state, covariance
+        return _without(state, covariance, frame, ruled_out)
+
+    def strangers(
+        self, state: FloatArray, outline: Outline, before: Sequence[Outline]
+    ) -> tuple[BoolArray, bool]:
+        """(k,) True for hits of an outline that are not the mover's, and whether the motion of what
+        is left has to be learnt anew. The arguments are those of `narrow`.
+
+        Of the outline's parts (`convex_parts`) that contradict what is believed are not the
+        mover's. If the largest does, too, or the contradiction is in what should be seen now and is
+        not, then the belief is wrong, and only the largest part is kept.
+        """
+        margin = CONTRADICTION + FREE_NOISE * self.noise
+        across = np.zeros(len(outline.joined), dtype=bool)
+        for look in self.past[-RECENT:]:
+            across |= _across(outline, state, look, margin)
+        unseen = any(_across(earlier, state, self.now, margin).any() for earlier in before)
+        if not unseen and not across.any():
+            return across, False
+        part = convex_parts(outline)
+        largest = int(np.bincount(part).argmax())
+        contradicting = np.unique(part[across])
+        if len(contradicting) == 0 or largest in contradicting:
+            return part != largest, True
+        return np.isin(part, contradicting), False
+
+
+@compiled
+def _frame(covariance: FloatArray) -> _Frame:
+    """The frame of a state's covariance (4, 4)."""
+    xx, xy, yy = covariance[0, 0], covariance[0, 1], covariance[1, 1]
+    angle = atan2(2.0 * xy, xx - yy) / 2.0
+    x, y = cos(angle), sin(angle)
+    most = sqrt(max(xx * x * x + 2.0 * xy * x * y + yy * y * y, 0.0))
+    least = sqrt(max(xx * y * y - 2.0 * xy * x * y + yy * x * x, 0.0))
+    steps = TRIED if most > KNOWN else 1
+    return _Frame(x, y, most, least, steps, TRIED if least > KNOWN else 1)
+
+
+@compiled
+def _place(number: int, steps: int) -> float:
+    """Place on an axis, in standard deviations, of one of so many steps."""
+    return SPAN * (2.0 * number / (steps - 1) - 1.0) if steps > 1 else 0.0
+
+
+@compiled
+def _velocities(frame: _Frame) -> FloatArray:
+    """(h, 2) the velocities of a frame, m/s."""
+    tried = np.empty((frame.steps * frame.side_steps, 2))
+    for k in range(len(tried)):
+        along = frame.most * _place(k // frame.side_steps, frame.steps)
+        aside = frame.least * _place(k % frame.side_steps, frame.side_steps)
+        tried[k, 0] = along * frame.x - aside * frame.y
+        tried[k, 1] = along * frame.y + aside * frame.x
+    return tried
+
+
+@compiled
+def _without(
+    state: FloatArray, covariance: FloatArray, frame: _Frame, ruled_out: BoolArray
+) -> tuple[FloatArray, FloatArray]:
+    """State (4,) and covariance (4, 4) if what is ruled out (h,) of a frame's velocities is not so.
+
+    The velocity gets the mean and the covariance of what is left, each counted as it was likely;
+    the acceleration follows as far as it depends on the velocity.
+    """
+    # Sums over all of the grid and over what is left of it: of weights, and of weights times a, b,
+    # aa, ab, bb, where a and b are the places on the axes.
+    every, left = np.zeros(6), np.zeros(6)
+    for k in range(len(ruled_out)):
+        a = _place(k // frame.side_steps, frame.steps)
+        b = _place(k % frame.side_steps, frame.side_steps)
+        weight = exp(-0.5 * (a * a + b * b))
+        terms = (1.0, a, b, a * a, a * b, b * b)
+        for i in range(6):
+            every[i] += weight * terms[i]
+            left[i] += 0.0 if ruled_out[k] else weight * terms[i]
+    every, left = every / every[0], left / left[0]
+    # What the covariance, the identity on the grid before, becomes. The grid's own is smaller, for
+    # it ends; and between its steps nothing is known.
+    between = (2.0 * SPAN / (TRIED - 1)) ** 2 / 12.0
+    change = np.zeros((2, 2))
+    if frame.steps > 1:
+        change[0, 0] = (left[3] - left[1] ** 2) / every[3] + between - 1.0
+    if frame.side_steps > 1:
+        change[1, 1] = (left[5] - left[2] ** 2) / every[5] + between - 1.0
+    if frame.steps > 1 and frame.side_steps > 1:
+        change[0, 1] = (left[4] - left[1] * left[2]) / sqrt(every[3] * every[5])
+        change[1, 0] = change[0, 1]
+    gain, x, y = np.zeros((4, 2)), frame.x, frame.y
+    for i in range(4):
+        gain[i, 0] = (covariance[i, 0] * x + covariance[i, 1] * y) / frame.most
+        if frame.side_steps > 1:
+            gain[i, 1] = (covariance[i, 1] * x - covariance[i, 0] * y) / frame.least
+    state, covariance = state.copy(), covariance.copy()
+    for i in range(4):
+        state[i] += gain[i, 0] * left[1] + gain[i, 1] * left[2]
+        for j in range(4):
+            for a_ in range(2):
+                for b_ in range(2):
+                    covariance[i, j] += gain[i, a_] * change[a_, b_] * gain[j, b_]
+    return state, covariance
+
+
+@compiled
+def _rule_out(
+    ruled_out: BoolArray,
+    outline: Outline,
+    state: FloatArray,
+    tried: FloatArray,
+    look: Look,
+    margin: float,
+) -> None:
+    """Marks the velocities (h,) of (h, 2), more than that of the state, with which an outline, at
+    the time of a look, would lie across rays that went by unhindered."""
+    points, elapsed = outline.points, look.stamp - outline.stamp
+    x, y = _gone(state, elapsed)
+    for h in range(len(tried)):
+        dx, dy = x + elapsed * tried[h, 0] - look.x, y + elapsed * tried[h, 1] - look.y
+        for k in range(points.shape[1] - 1):
+            if ruled_out[h]:
+                break
+            ruled_out[h] = outline.joined[k] and _crosses(
+                points[0, k] + dx, points[1, k] + dy,
+                points[0, k + 1] + dx, points[1, k + 1] + dy,
+                look, margin,
+            )  # fmt: skip
+
+
+@compiled
+def _across(outline: Outline, state: FloatArray, look: Look, margin: float) -> BoolArray:
+    """(k,) True for hits of an outline that begin a piece which, at the time of a look, would lie
+    across rays that went by unhindered."""
+    points, (x, y) = outline.points, _gone(state, look.stamp - outline.stamp)
+    x, y = x - look.x, y - look.y
+    found = np.zeros(points.shape[1], dtype=np.bool_)
+    for k in range(points.shape[1] - 1):
+        found[k] = outline.joined[k] and _crosses(
+            points[0, k] + x, points[1, k] + y, points[0, k + 1] + x, points[1, k + 1] + y,
+            look, margin,
+        )  # fmt: skip
+    return found
+
+
+@compiled
+def _gone(state: FloatArray, elapsed: float) -> tuple[float, float]:
+    """How far a mover is from an outline's place, at a time before (elapsed < 0) or after it, m.
+
+    The state is that of the later one of the two.
+    """
+    x, y = gone_since(state, abs(elapsed))
+    return (-x, -y) if elapsed < 0.0 else (x, y)
+
+
+@compiled
+def _crosses(ax: float, ay: float, bx: float, by: float, look: Look, margin: float) -> bool:
+    """True if a piece of outline, given by its ends relative to the sensor, m, lies across a ray
+    that went on for more than the margin behind it."""
+    count = len(look.ranges)
+    first = ray_number(atan2(ay, ax) - look.yaw, count)
+    last = ray_number(atan2(by, bx) - look.yaw, count)
+    if last - first > count / 2:
+        first += count
+    elif first - last > count / 2:
+        last += count
+    for ray in range(ceil(min(first, last)), floor(max(first, last)) + 1):
+        bearing = ray * (2 * pi / count) - pi + look.yaw
+        # Where the ray meets the piece: its range, times what it turns by across the piece.
+        across = cos(bearing) * (by - ay) - sin(bearing) * (bx - ax)
+        if across != 0.0:
+            reach = (ax * by - ay * bx) / across
+            if 0.0 < reach < look.ranges[ray % count] - margin:
+                return True
+    return False
