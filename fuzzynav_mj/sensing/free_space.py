@@ -30,6 +30,7 @@ TRIED = 21  # ... so many of them, along each axis
 FREE = 0.015  # m: a ray went by if it reached this much farther; ...
 CONTRADICTION = 0.03  # ... this much, to put what is believed in doubt; besides ...
 FREE_NOISE = 3.0  # ... so many standard deviations of the ranges
+TURNING = 0.5  # m/s2: what a mover may have turned by since then, unnoticed
 RECENT = 2  # looks that may contradict a belief: over more a mover may have turned
 
 
@@ -82,10 +83,11 @@ class FreeSpace:
             return state, covariance
         tried = _velocities(frame)
         ruled_out = np.zeros(len(tried), dtype=np.bool_)
-        margin = FREE + FREE_NOISE * self.noise
         for look in self.past[-LOOKS:]:
+            margin = self._margin(outline.stamp - look.stamp)
             _rule_out(ruled_out, outline, state, tried, look, margin)
         for earlier in before:
+            margin = self._margin(outline.stamp - earlier.stamp)
             _rule_out(ruled_out, earlier, state, tried, self.now, margin)
         if ruled_out.all() or not ruled_out.any():
             return state, covariance
@@ -97,9 +99,10 @@ class FreeSpace:
         """(k,) True for hits of an outline that are not the mover's, and whether the motion of what
         is left has to be learnt anew. The arguments are those of `narrow`.
 
-        Of the outline's parts (`convex_parts`) that contradict what is believed are not the
+        Of the outline's parts (`convex_parts`) those that contradict what is believed are not the
         mover's. If the largest does, too, or the contradiction is in what should be seen now and is
-        not, then the belief is wrong, and only the largest part is kept.
+        not, then the belief is wrong, and only the largest part is kept. An outline of one part
+        belongs to one mover, which began to turn.
         """
         margin = CONTRADICTION + FREE_NOISE * self.noise
         across = np.zeros(len(outline.joined), dtype=bool)
@@ -109,11 +112,17 @@ class FreeSpace:
         if not unseen and not across.any():
             return across, False
         part = convex_parts(outline)
+        if part[-1] == 0:
+            return np.zeros(len(part), dtype=bool), False
         largest = int(np.bincount(part).argmax())
         contradicting = np.unique(part[across])
         if len(contradicting) == 0 or largest in contradicting:
             return part != largest, True
         return np.isin(part, contradicting), False
+
+    def _margin(self, elapsed: float) -> float:
+        """By how much farther a ray must have reached, so long ago, to rule anything out, m."""
+        return FREE + FREE_NOISE * self.noise + TURNING / 2 * elapsed**2
 
 
 @compiled

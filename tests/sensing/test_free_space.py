@@ -190,10 +190,19 @@ def test_a_motion_that_one_of_two_movers_contradicts_is_learnt_anew() -> None:
 
 
 def test_a_contradiction_smaller_than_the_margin_is_none() -> None:
-    now, past = look_of([square(0.5, 0.0)], 0.1), look_of([square(0.5, 0.0)], 0.0)
+    """Two bodies that stand: believed to go away, they would have been nearer before."""
+    bodies = [square(0.5, 0.0), square(0.5, 0.25, 0.04)]
+    now, past = look_of(bodies, 0.1), look_of(bodies, 0.0)
     for off, anew in ((0.9, False), (1.1, True)):
         believed = moving(np.array([off * CONTRADICTION / PERIOD, 0.0]))
         assert FreeSpace(now, [past]).strangers(believed, outline_in(now), [])[1] == anew
+
+
+def test_one_body_that_contradicts_a_motion_has_begun_to_turn() -> None:
+    now, past = look_of([square(0.5, 0.0)], 0.1), look_of([square(0.5, 0.0)], 0.0)
+    believed = moving(np.array([1.0, 0.0]))
+    strange, anew = FreeSpace(now, [past]).strangers(believed, outline_in(now), [])
+    assert not strange.any() and not anew
 
 
 @pytest.mark.parametrize(
