@@ -26,7 +26,8 @@ from fuzzynav_mj.types import BoolArray, FloatArray
 LOOKS = 4  # earlier looks whose free space counts
 KNOWN = 0.08  # m/s: a smaller uncertainty of a velocity is left as it is
 SPAN = 2.5  # standard deviations within which velocities are tried ...
-TRIED = 21  # ... so many of them, along each axis
+TRIED = 21  # ... so many of them, along an axis, ...
+TRIED_BOTH = 13  # ... or along each, where both are open
 FREE = 0.015  # m: a ray went by if it reached this much farther; ...
 CONTRADICTION = 0.03  # ... this much, to put what is believed in doubt; besides ...
 FREE_NOISE = 3.0  # ... so many standard deviations of the ranges
@@ -104,16 +105,16 @@ class FreeSpace:
         not, then the belief is wrong, and only the largest part is kept. An outline of one part
         belongs to one mover, which began to turn.
         """
+        part = convex_parts(outline)
+        across = np.zeros(len(part), dtype=bool)
+        if part[-1] == 0:
+            return across, False
         margin = CONTRADICTION + FREE_NOISE * self.noise
-        across = np.zeros(len(outline.joined), dtype=bool)
         for look in self.past[-RECENT:]:
             across |= _across(outline, state, look, margin)
         unseen = any(_across(earlier, state, self.now, margin).any() for earlier in before)
         if not unseen and not across.any():
             return across, False
-        part = convex_parts(outline)
-        if part[-1] == 0:
-            return np.zeros(len(part), dtype=bool), False
         largest = int(np.bincount(part).argmax())
         contradicting = np.unique(part[across])
         if len(contradicting) == 0 or largest in contradicting:
@@ -133,8 +134,11 @@ def _frame(covariance: FloatArray) -> _Frame:
     x, y = cos(angle), sin(angle)
     most = sqrt(max(xx * x * x + 2.0 * xy * x * y + yy * y * y, 0.0))
     least = sqrt(max(xx * y * y - 2.0 * xy * x * y + yy * x * x, 0.0))
-    steps = TRIED if most > KNOWN else 1
-    return _Frame(x, y, most, least, steps, TRIED if least > KNOWN else 1)
+    if most <= KNOWN:
+        return _Frame(x, y, most, least, 1, 1)
+    if least <= KNOWN:
+        return _Frame(x, y, most, least, TRIED, 1)
+    return _Frame(x, y, most, least, TRIED_BOTH, TRIED_BOTH)
 
 
 @compiled
@@ -178,7 +182,7 @@ def _without(
     every, left = every / every[0], left / left[0]
     # What the covariance, the identity on the grid before, becomes. The grid's own is smaller, for
     # it ends; and between its steps nothing is known.
-    between = (2.0 * SPAN / (TRIED - 1)) ** 2 / 12.0
+    between = (2.0 * SPAN / (frame.steps - 1)) ** 2 / 12.0
     change = np.zeros((2, 2))
     if frame.steps > 1:
         change[0, 0] = (left[3] - left[1] ** 2) / every[3] + between - 1.0
@@ -213,33 +217,54 @@ def _rule_out(
 ) -> None:
     """Marks the velocities (h,) of (h, 2), more than that of the state, with which an outline, at
     the time of a look, would lie across rays that went by unhindered."""
-    points, elapsed = outline.points, look.stamp - outline.stamp
+    elapsed = look.stamp - outline.stamp
     x, y = _gone(state, elapsed)
     for h in range(len(tried)):
-        dx, dy = x + elapsed * tried[h, 0] - look.x, y + elapsed * tried[h, 1] - look.y
-        for k in range(points.shape[1] - 1):
-            if ruled_out[h]:
-                break
-            ruled_out[h] = outline.joined[k] and _crosses(
-                points[0, k] + dx, points[1, k] + dy,
-                points[0, k + 1] + dx, points[1, k + 1] + dy,
-                look, margin,
-            )  # fmt: skip
+        if not ruled_out[h]:
+            at_x, at_y = x + elapsed * tried[h, 0], y + elapsed * tried[h, 1]
+            ruled_out[h] = _first_across(outline, 0, at_x, at_y, look, margin) >= 0
 
 
 @compiled
 def _across(outline: Outline, state: FloatArray, look: Look, margin: float) -> BoolArray:
     """(k,) True for hits of an outline that begin a piece which, at the time of a look, would lie
     across rays that went by unhindered."""
-    points, (x, y) = outline.points, _gone(state, look.stamp - outline.stamp)
-    x, y = x - look.x, y - look.y
-    found = np.zeros(points.shape[1], dtype=np.bool_)
-    for k in range(points.shape[1] - 1):
-        found[k] = outline.joined[k] and _crosses(
-            points[0, k] + x, points[1, k] + y, points[0, k + 1] + x, points[1, k + 1] + y,
-            look, margin,
-        )  # fmt: skip
+    x, y = _gone(state, look.stamp - outline.stamp)
+    found = np.zeros(len(outline.joined), dtype=np.bool_)
+    k = _first_across(outline, 0, x, y, look, margin)
+    while k >= 0:
+        found[k] = True
+        k = _first_across(outline, k + 1, x, y, look, margin)
     return found
+
+
+@compiled
+def _first_across(
+    outline: Outline, first: int, x: float, y: float, look: Look, margin: float
+) -> int:
+    """The first hit, from number `first` on, that begins a piece of an outline which, moved by (x,
+    y), lies across a ray that went on for more than the margin behind it; -1 for none."""
+    points, count = outline.points, len(look.ranges)
+    ax = ay = at = 0.0
+    x, y = x - look.x, y - look.y
+    for k in range(first, points.shape[1]):
+        bx, by = points[0, k] + x, points[1, k] + y
+        ray = ray_number(atan2(by, bx) - look.yaw, count)
+        if k > first and outline.joined[k - 1]:
+            before = at
+            if ray - before > count / 2:
+                before += count
+            near = ray if before - ray <= count / 2 else ray + count
+            for i in range(ceil(min(before, near)), floor(max(before, near)) + 1):
+                bearing = i * (2 * pi / count) - pi + look.yaw
+                c, s = cos(bearing), sin(bearing)
+                across = c * (by - ay) - s * (bx - ax)
+                if across != 0.0:
+                    reach = (ax * by - ay * bx) / across
+                    if 0.0 < reach < look.ranges[i % count] - margin:
+                        return k - 1
+        ax, ay, at = bx, by, ray
+    return -1
 
 
 @compiled
@@ -250,25 +275,3 @@ def _gone(state: FloatArray, elapsed: float) -> tuple[float, float]:
     """
     x, y = gone_since(state, abs(elapsed))
     return (-x, -y) if elapsed < 0.0 else (x, y)
-
-
-@compiled
-def _crosses(ax: float, ay: float, bx: float, by: float, look: Look, margin: float) -> bool:
-    """True if a piece of outline, given by its ends relative to the sensor, m, lies across a ray
-    that went on for more than the margin behind it."""
-    count = len(look.ranges)
-    first = ray_number(atan2(ay, ax) - look.yaw, count)
-    last = ray_number(atan2(by, bx) - look.yaw, count)
-    if last - first > count / 2:
-        first += count
-    elif first - last > count / 2:
-        last += count
-    for ray in range(ceil(min(first, last)), floor(max(first, last)) + 1):
-        bearing = ray * (2 * pi / count) - pi + look.yaw
-        # Where the ray meets the piece: its range, times what it turns by across the piece.
-        across = cos(bearing) * (by - ay) - sin(bearing) * (bx - ax)
-        if across != 0.0:
-            reach = (ax * by - ay * bx) / across
-            if 0.0 < reach < look.ranges[ray % count] - margin:
-                return True
-    return False
