@@ -26,8 +26,7 @@ from fuzzynav_mj.types import BoolArray, FloatArray
 LOOKS = 4  # earlier looks whose free space counts
 KNOWN = 0.08  # m/s: a smaller uncertainty of a velocity is left as it is
 SPAN = 2.5  # standard deviations within which velocities are tried ...
-TRIED = 21  # ... so many of them, along an axis, ...
-TRIED_BOTH = 13  # ... or along each, where both are open
+TRIED = 21  # ... so many of them, along each axis
 FREE = 0.015  # m: a ray went by if it reached this much farther; ...
 CONTRADICTION = 0.03  # ... this much, to put what is believed in doubt; besides ...
 FREE_NOISE = 3.0  # ... so many standard deviations of the ranges
@@ -134,11 +133,8 @@ def _frame(covariance: FloatArray) -> _Frame:
     x, y = cos(angle), sin(angle)
     most = sqrt(max(xx * x * x + 2.0 * xy * x * y + yy * y * y, 0.0))
     least = sqrt(max(xx * y * y - 2.0 * xy * x * y + yy * x * x, 0.0))
-    if most <= KNOWN:
-        return _Frame(x, y, most, least, 1, 1)
-    if least <= KNOWN:
-        return _Frame(x, y, most, least, TRIED, 1)
-    return _Frame(x, y, most, least, TRIED_BOTH, TRIED_BOTH)
+    steps = TRIED if most > KNOWN else 1
+    return _Frame(x, y, most, least, steps, TRIED if least > KNOWN else 1)
 
 
 @compiled
@@ -182,7 +178,7 @@ def _without(
     every, left = every / every[0], left / left[0]
     # What the covariance, the identity on the grid before, becomes. The grid's own is smaller, for
     # it ends; and between its steps nothing is known.
-    between = (2.0 * SPAN / (frame.steps - 1)) ** 2 / 12.0
+    between = (2.0 * SPAN / (TRIED - 1)) ** 2 / 12.0
     change = np.zeros((2, 2))
     if frame.steps > 1:
         change[0, 0] = (left[3] - left[1] ** 2) / every[3] + between - 1.0
