@@ -31,6 +31,7 @@ FREE = 0.015  # m: a ray went by if it reached this much farther; ...
 CONTRADICTION = 0.03  # ... this much, to put what is believed in doubt; besides ...
 FREE_NOISE = 3.0  # ... so many standard deviations of the ranges
 TURNING = 0.5  # m/s2: what a mover may have turned by since then, unnoticed
+SURPRISE = 0.3  # share of what newer looks leave open that an older one must leave, to be believed
 RECENT = 2  # looks that may contradict a belief: over more a mover may have turned
 
 
@@ -73,6 +74,9 @@ class FreeSpace:
         """State (4,) and covariance (4, 4), as in velocity_filter.py, without the velocities that
         are ruled out; as they are where all are, or none.
 
+        A mover that has turned at once was elsewhere before: an older look that leaves next to
+        nothing of what newer ones left open is not believed, nor are those before it.
+
         Args:
             state, covariance: of the mover.
             outline: of the mover, now.
@@ -83,15 +87,19 @@ class FreeSpace:
             return state, covariance
         tried = _velocities(frame)
         ruled_out = np.zeros(len(tried), dtype=np.bool_)
-        for look in self.past[-LOOKS:]:
-            margin = self._margin(outline.stamp - look.stamp)
-            _rule_out(ruled_out, outline, state, tried, look, margin)
-        for earlier in before:
-            margin = self._margin(outline.stamp - earlier.stamp)
-            _rule_out(ruled_out, earlier, state, tried, self.now, margin)
+        likely = _likelihoods(frame)
+        earlier = [(outline, look) for look in reversed(self.past[-LOOKS:])]
+        onward = [(shown, self.now) for shown in reversed(before)]
+        for pairs in (earlier, onward):
+            for number, (shown, look) in enumerate(pairs):
+                found = ruled_out.copy()
+                _rule_out(found, shown, state, tried, look, self._margin(look.stamp - shown.stamp))
+                if number > 0 and likely[~found].sum() < SURPRISE * likely[~ruled_out].sum():
+                    break
+                ruled_out = found
         if ruled_out.all() or not ruled_out.any():
             return state, covariance
-        return _without(state, covariance, frame, ruled_out)
+        return _without(state, covariance, frame, np.where(ruled_out, 0.0, likely), likely)
 
     def strangers(
         self, state: FloatArray, outline: Outline, before: Sequence[Outline]
@@ -156,25 +164,40 @@ def _velocities(frame: _Frame) -> FloatArray:
 
 
 @compiled
-def _without(
-    state: FloatArray, covariance: FloatArray, frame: _Frame, ruled_out: BoolArray
-) -> tuple[FloatArray, FloatArray]:
-    """State (4,) and covariance (4, 4) if what is ruled out (h,) of a frame's velocities is not so.
-
-    The velocity gets the mean and the covariance of what is left, each counted as it was likely;
-    the acceleration follows as far as it depends on the velocity.
-    """
-    # Sums over all of the grid and over what is left of it: of weights, and of weights times a, b,
-    # aa, ab, bb, where a and b are the places on the axes.
-    every, left = np.zeros(6), np.zeros(6)
-    for k in range(len(ruled_out)):
+def _likelihoods(frame: _Frame) -> FloatArray:
+    """(h,) how likely each of a frame's velocities is, next to the one believed."""
+    likely = np.empty(frame.steps * frame.side_steps)
+    for k in range(len(likely)):
         a = _place(k // frame.side_steps, frame.steps)
         b = _place(k % frame.side_steps, frame.side_steps)
-        weight = exp(-0.5 * (a * a + b * b))
+        likely[k] = exp(-0.5 * (a * a + b * b))
+    return likely
+
+
+@compiled
+def _without(
+    state: FloatArray,
+    covariance: FloatArray,
+    frame: _Frame,
+    open_: FloatArray,
+    likely: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """State (4,) and covariance (4, 4) if a frame's velocities are as likely as `open_` (h,) says,
+    not as `likely` (h,).
+
+    The velocity gets the mean and the covariance of what is open; the acceleration follows as far
+    as it depends on the velocity.
+    """
+    # Sums over all of the grid and over what is left of it: of 1, a, b, aa, ab, bb, where a and b
+    # are the places on the axes, each as often as it is likely.
+    every, left = np.zeros(6), np.zeros(6)
+    for k in range(len(likely)):
+        a = _place(k // frame.side_steps, frame.steps)
+        b = _place(k % frame.side_steps, frame.side_steps)
         terms = (1.0, a, b, a * a, a * b, b * b)
         for i in range(6):
-            every[i] += weight * terms[i]
-            left[i] += 0.0 if ruled_out[k] else weight * terms[i]
+            every[i] += likely[k] * terms[i]
+            left[i] += open_[k] * terms[i]
     every, left = every / every[0], left / left[0]
     # What the covariance, the identity on the grid before, becomes. The grid's own is smaller, for
     # it ends; and between its steps nothing is known.
@@ -196,9 +219,9 @@ def _without(
     for i in range(4):
         state[i] += gain[i, 0] * left[1] + gain[i, 1] * left[2]
         for j in range(4):
-            for a_ in range(2):
-                for b_ in range(2):
-                    covariance[i, j] += gain[i, a_] * change[a_, b_] * gain[j, b_]
+            for m in range(2):
+                for n in range(2):
+                    covariance[i, j] += gain[i, m] * change[m, n] * gain[j, n]
     return state, covariance
 
 
@@ -247,6 +270,7 @@ def _first_across(
         bx, by = points[0, k] + x, points[1, k] + y
         ray = ray_number(atan2(by, bx) - look.yaw, count)
         if k > first and outline.joined[k - 1]:
+            # A piece spans less than half a turn.
             before = at
             if ray - before > count / 2:
                 before += count

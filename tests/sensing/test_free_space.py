@@ -132,6 +132,19 @@ def test_a_half_of_the_velocities_ruled_out_leaves_a_half_normal() -> None:
     assert state[0] == pytest.approx(0.0, abs=1e-9) and left[0, 0] == covariance[0, 0]
 
 
+def test_a_mover_that_turned_at_once_is_not_held_against_where_it_was() -> None:
+    """Upwards until 0.2 s ago, then towards the sensor: of looks before the turn its present motion
+    would have been seen, so that they tell of another one; nothing of it may be believed."""
+    path = {0.4: (0.55, -0.1), 0.3: (0.55, -0.05), 0.2: (0.55, 0.0), 0.1: (0.5, 0.0)}
+    past = [look_of([square(*place)], -ago) for ago, place in path.items()]
+    space = FreeSpace(look_of([square(0.45, 0.0)], 0.0), past)
+    recent = FreeSpace(space.now, past[-2:])
+    believed = np.array([-0.5, 0.0, 0.0, 0.0]), np.diag([0.02, 0.15, 0.6, 0.6]) ** 2
+    state, _ = space.narrow(*believed, outline_in(space.now), [])
+    np.testing.assert_allclose(state[:2], [-0.5, 0.0], atol=0.05)
+    np.testing.assert_allclose(state, recent.narrow(*believed, outline_in(space.now), [])[0])
+
+
 def test_what_is_known_well_is_left_as_it_is() -> None:
     now, past = look_of([square(0.5, 0.0)], 0.1), look_of([], 0.0)
     covariance = np.diag([0.9 * KNOWN, 0.5 * KNOWN, 0.6, 0.6]) ** 2
