@@ -32,6 +32,7 @@ CONTRADICTION = 0.03  # ... this much, to put what is believed in doubt; besides
 FREE_NOISE = 3.0  # ... so many standard deviations of the ranges
 TURNING = 0.5  # m/s2: what a mover may have turned by since then, unnoticed
 SURPRISE = 0.3  # share of what newer looks leave open that an older one must leave, to be believed
+AS_BELIEVED, WANTED = np.zeros((1, 2)), np.full(1, True)  # to try nothing but what is believed
 RECENT = 2  # looks that may contradict a belief: over more a mover may have turned
 
 
@@ -92,8 +93,11 @@ class FreeSpace:
         onward = [(shown, self.now) for shown in reversed(before)]
         for pairs in (earlier, onward):
             for number, (shown, look) in enumerate(pairs):
-                found = ruled_out.copy()
-                _rule_out(found, shown, state, tried, look, self._margin(look.stamp - shown.stamp))
+                if not shown.joined.any():
+                    continue
+                margin = self._margin(look.stamp - shown.stamp)
+                across = _across(shown, state, tried, ~ruled_out, look, margin, False)
+                found = ruled_out | across.any(axis=1)
                 if number > 0 and likely[~found].sum() < SURPRISE * likely[~ruled_out].sum():
                     break
                 ruled_out = found
@@ -118,8 +122,11 @@ class FreeSpace:
             return across, False
         margin = CONTRADICTION + FREE_NOISE * self.noise
         for look in self.past[-RECENT:]:
-            across |= _across(outline, state, look, margin)
-        unseen = any(_across(earlier, state, self.now, margin).any() for earlier in before)
+            across |= _across(outline, state, AS_BELIEVED, WANTED, look, margin, True)[0]
+        unseen = any(
+            _across(earlier, state, AS_BELIEVED, WANTED, self.now, margin, False).any()
+            for earlier in before
+        )
         if not unseen and not across.any():
             return across, False
         largest = int(np.bincount(part).argmax())
@@ -226,65 +233,45 @@ def _without(
 
 
 @compiled
-def _rule_out(
-    ruled_out: BoolArray,
+def _across(
     outline: Outline,
     state: FloatArray,
     tried: FloatArray,
+    wanted: BoolArray,
     look: Look,
     margin: float,
-) -> None:
-    """Marks the velocities (h,) of (h, 2), more than that of the state, with which an outline, at
-    the time of a look, would lie across rays that went by unhindered."""
+    every: bool,
+) -> BoolArray:
+    """(h, k) True for hits of an outline that begin a piece which, at the time of a look, would lie
+    across rays that went by unhindered, with each of the wanted (h,) velocities (h, 2), more than
+    that of the state; without `every` only the first such piece of each."""
+    points, joined, ranges, count = outline.points, outline.joined, look.ranges, len(look.ranges)
+    found = np.zeros((len(tried), len(joined)), dtype=np.bool_)
     elapsed = look.stamp - outline.stamp
     x, y = _gone(state, elapsed)
     for h in range(len(tried)):
-        if not ruled_out[h]:
-            at_x, at_y = x + elapsed * tried[h, 0], y + elapsed * tried[h, 1]
-            ruled_out[h] = _first_across(outline, 0, at_x, at_y, look, margin) >= 0
-
-
-@compiled
-def _across(outline: Outline, state: FloatArray, look: Look, margin: float) -> BoolArray:
-    """(k,) True for hits of an outline that begin a piece which, at the time of a look, would lie
-    across rays that went by unhindered."""
-    x, y = _gone(state, look.stamp - outline.stamp)
-    found = np.zeros(len(outline.joined), dtype=np.bool_)
-    k = _first_across(outline, 0, x, y, look, margin)
-    while k >= 0:
-        found[k] = True
-        k = _first_across(outline, k + 1, x, y, look, margin)
+        if not wanted[h]:
+            continue
+        at_x, at_y = x + elapsed * tried[h, 0] - look.x, y + elapsed * tried[h, 1] - look.y
+        ax = ay = last = 0.0
+        for k in range(len(joined)):
+            bx, by = points[0, k] + at_x, points[1, k] + at_y
+            ray = ray_number(atan2(by, bx) - look.yaw, count)
+            if k > 0 and joined[k - 1]:
+                # A piece spans less than half a turn.
+                before = last + count if ray - last > count / 2 else last
+                near = ray if before - ray <= count / 2 else ray + count
+                for i in range(ceil(min(before, near)), floor(max(before, near)) + 1):
+                    bearing = i * (2 * pi / count) - pi + look.yaw
+                    across = cos(bearing) * (by - ay) - sin(bearing) * (bx - ax)
+                    if across != 0.0:
+                        reach = (ax * by - ay * bx) / across
+                        if 0.0 < reach < ranges[i % count] - margin:
+                            found[h, k - 1] = True
+            ax, ay, last = bx, by, ray
+            if not every and k > 0 and found[h, k - 1]:
+                break
     return found
-
-
-@compiled
-def _first_across(
-    outline: Outline, first: int, x: float, y: float, look: Look, margin: float
-) -> int:
-    """The first hit, from number `first` on, that begins a piece of an outline which, moved by (x,
-    y), lies across a ray that went on for more than the margin behind it; -1 for none."""
-    points, count = outline.points, len(look.ranges)
-    ax = ay = at = 0.0
-    x, y = x - look.x, y - look.y
-    for k in range(first, points.shape[1]):
-        bx, by = points[0, k] + x, points[1, k] + y
-        ray = ray_number(atan2(by, bx) - look.yaw, count)
-        if k > first and outline.joined[k - 1]:
-            # A piece spans less than half a turn.
-            before = at
-            if ray - before > count / 2:
-                before += count
-            near = ray if before - ray <= count / 2 else ray + count
-            for i in range(ceil(min(before, near)), floor(max(before, near)) + 1):
-                bearing = i * (2 * pi / count) - pi + look.yaw
-                c, s = cos(bearing), sin(bearing)
-                across = c * (by - ay) - s * (bx - ax)
-                if across != 0.0:
-                    reach = (ax * by - ay * bx) / across
-                    if 0.0 < reach < look.ranges[i % count] - margin:
-                        return k - 1
-        ax, ay, at = bx, by, ray
-    return -1
 
 
 @compiled
