@@ -93,14 +93,9 @@ class FreeSpace:
         onward = [(shown, self.now) for shown in reversed(before)]
         for pairs in (earlier, onward):
             for number, (shown, look) in enumerate(pairs):
-                if not shown.joined.any():
-                    continue
-                margin = self._margin(look.stamp - shown.stamp)
-                across = _across(shown, state, tried, ~ruled_out, look, margin, False)
-                found = ruled_out | across.any(axis=1)
-                if number > 0 and likely[~found].sum() < SURPRISE * likely[~ruled_out].sum():
+                margin, older = self._margin(look.stamp - shown.stamp), number > 0
+                if not _rule_out(ruled_out, likely, shown, state, tried, look, margin, older):
                     break
-                ruled_out = found
         if ruled_out.all() or not ruled_out.any():
             return state, covariance
         return _without(state, covariance, frame, np.where(ruled_out, 0.0, likely), likely)
@@ -233,6 +228,31 @@ def _without(
 
 
 @compiled
+def _rule_out(
+    ruled_out: BoolArray,
+    likely: FloatArray,
+    outline: Outline,
+    state: FloatArray,
+    tried: FloatArray,
+    look: Look,
+    margin: float,
+    older: bool,
+) -> bool:
+    """Marks the velocities (h,) with which an outline, at the time of a look, would lie across rays
+    that went by. False, and none marked, where an older look leaves too little to be believed."""
+    across = _across(outline, state, tried, ~ruled_out, look, margin, False)
+    found, open_, left = ruled_out.copy(), 0.0, 0.0
+    for h in range(len(tried)):
+        found[h] = found[h] or across[h].any()
+        open_ += 0.0 if ruled_out[h] else likely[h]
+        left += 0.0 if found[h] else likely[h]
+    if older and left < SURPRISE * open_:
+        return False
+    ruled_out[:] = found
+    return True
+
+
+@compiled
 def _across(
     outline: Outline,
     state: FloatArray,
@@ -247,6 +267,8 @@ def _across(
     that of the state; without `every` only the first such piece of each."""
     points, joined, ranges, count = outline.points, outline.joined, look.ranges, len(look.ranges)
     found = np.zeros((len(tried), len(joined)), dtype=np.bool_)
+    bearings = np.arange(count) * (2 * pi / count) - pi + look.yaw
+    ahead, aside = np.cos(bearings), np.sin(bearings)
     elapsed = look.stamp - outline.stamp
     x, y = _gone(state, elapsed)
     for h in range(len(tried)):
@@ -262,11 +284,11 @@ def _across(
                 before = last + count if ray - last > count / 2 else last
                 near = ray if before - ray <= count / 2 else ray + count
                 for i in range(ceil(min(before, near)), floor(max(before, near)) + 1):
-                    bearing = i * (2 * pi / count) - pi + look.yaw
-                    across = cos(bearing) * (by - ay) - sin(bearing) * (bx - ax)
+                    met = i % count
+                    across = ahead[met] * (by - ay) - aside[met] * (bx - ax)
                     if across != 0.0:
                         reach = (ax * by - ay * bx) / across
-                        if 0.0 < reach < ranges[i % count] - margin:
+                        if 0.0 < reach < ranges[met] - margin:
                             found[h, k - 1] = True
             ax, ay, last = bx, by, ray
             if not every and k > 0 and found[h, k - 1]:
