@@ -32,7 +32,6 @@ CONTRADICTION = 0.03  # ... this much, to put what is believed in doubt; besides
 FREE_NOISE = 3.0  # ... so many standard deviations of the ranges
 TURNING = 0.5  # m/s2: what a mover may have turned by since then, unnoticed
 SURPRISE = 0.3  # share of what newer looks leave open that an older one must leave, to be believed
-AS_BELIEVED, WANTED = np.zeros((1, 2)), np.full(1, True)  # to try nothing but what is believed
 RECENT = 2  # looks that may contradict a belief: over more a mover may have turned
 
 
@@ -86,9 +85,8 @@ class FreeSpace:
         frame = _frame(covariance)
         if frame.steps * frame.side_steps == 1:
             return state, covariance
-        tried = _velocities(frame)
+        places, tried, likely = _grid(frame)
         ruled_out = np.zeros(len(tried), dtype=np.bool_)
-        likely = _likelihoods(frame)
         earlier = [(outline, look) for look in reversed(self.past[-LOOKS:])]
         onward = [(shown, self.now) for shown in reversed(before)]
         for pairs in (earlier, onward):
@@ -98,7 +96,7 @@ class FreeSpace:
                     break
         if ruled_out.all() or not ruled_out.any():
             return state, covariance
-        return _without(state, covariance, frame, np.where(ruled_out, 0.0, likely), likely)
+        return _without(state, covariance, frame, places, np.where(ruled_out, 0.0, likely), likely)
 
     def strangers(
         self, state: FloatArray, outline: Outline, before: Sequence[Outline]
@@ -115,12 +113,11 @@ class FreeSpace:
         across = np.zeros(len(part), dtype=bool)
         if part[-1] == 0:
             return across, False
-        margin = CONTRADICTION + FREE_NOISE * self.noise
+        margin, believed = CONTRADICTION + FREE_NOISE * self.noise, np.zeros((1, 2))
         for look in self.past[-RECENT:]:
-            across |= _across(outline, state, AS_BELIEVED, WANTED, look, margin, True)[0]
+            across |= _across(outline, state, believed, look, margin, True)[0]
         unseen = any(
-            _across(earlier, state, AS_BELIEVED, WANTED, self.now, margin, False).any()
-            for earlier in before
+            _across(earlier, state, believed, self.now, margin, False).any() for earlier in before
         )
         if not unseen and not across.any():
             return across, False
@@ -154,26 +151,20 @@ def _place(number: int, steps: int) -> float:
 
 
 @compiled
-def _velocities(frame: _Frame) -> FloatArray:
-    """(h, 2) the velocities of a frame, m/s."""
-    tried = np.empty((frame.steps * frame.side_steps, 2))
-    for k in range(len(tried)):
-        along = frame.most * _place(k // frame.side_steps, frame.steps)
-        aside = frame.least * _place(k % frame.side_steps, frame.side_steps)
-        tried[k, 0] = along * frame.x - aside * frame.y
-        tried[k, 1] = along * frame.y + aside * frame.x
-    return tried
-
-
-@compiled
-def _likelihoods(frame: _Frame) -> FloatArray:
-    """(h,) how likely each of a frame's velocities is, next to the one believed."""
-    likely = np.empty(frame.steps * frame.side_steps)
-    for k in range(len(likely)):
+def _grid(frame: _Frame) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The velocities of a frame: (h, 2) places on its axes, in standard deviations, (h, 2) m/s more
+    than the one believed, and (h,) how likely each is, next to it."""
+    count = frame.steps * frame.side_steps
+    places, tried, likely = np.empty((count, 2)), np.empty((count, 2)), np.empty(count)
+    for k in range(count):
         a = _place(k // frame.side_steps, frame.steps)
         b = _place(k % frame.side_steps, frame.side_steps)
+        along, aside = frame.most * a, frame.least * b
+        places[k, 0], places[k, 1] = a, b
+        tried[k, 0] = along * frame.x - aside * frame.y
+        tried[k, 1] = along * frame.y + aside * frame.x
         likely[k] = exp(-0.5 * (a * a + b * b))
-    return likely
+    return places, tried, likely
 
 
 @compiled
@@ -181,11 +172,12 @@ def _without(
     state: FloatArray,
     covariance: FloatArray,
     frame: _Frame,
+    places: FloatArray,
     open_: FloatArray,
     likely: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
-    """State (4,) and covariance (4, 4) if a frame's velocities are as likely as `open_` (h,) says,
-    not as `likely` (h,).
+    """State (4,) and covariance (4, 4) if a frame's velocities, at `places` (h, 2), are as
+    likely as `open_` (h,) says, not as `likely` (h,).
 
     The velocity gets the mean and the covariance of what is open; the acceleration follows as far
     as it depends on the velocity.
@@ -194,8 +186,7 @@ def _without(
     # are the places on the axes, each as often as it is likely.
     every, left = np.zeros(6), np.zeros(6)
     for k in range(len(likely)):
-        a = _place(k // frame.side_steps, frame.steps)
-        b = _place(k % frame.side_steps, frame.side_steps)
+        a, b = places[k]
         terms = (1.0, a, b, a * a, a * b, b * b)
         for i in range(6):
             every[i] += likely[k] * terms[i]
@@ -240,10 +231,12 @@ def _rule_out(
 ) -> bool:
     """Marks the velocities (h,) with which an outline, at the time of a look, would lie across rays
     that went by. False, and none marked, where an older look leaves too little to be believed."""
-    across = _across(outline, state, tried, ~ruled_out, look, margin, False)
+    candidates = (~ruled_out).nonzero()[0]
+    across = _across(outline, state, tried[candidates], look, margin, False)
     found, open_, left = ruled_out.copy(), 0.0, 0.0
+    for n in range(len(candidates)):
+        found[candidates[n]] = across[n].any()
     for h in range(len(tried)):
-        found[h] = found[h] or across[h].any()
         open_ += 0.0 if ruled_out[h] else likely[h]
         left += 0.0 if found[h] else likely[h]
     if older and left < SURPRISE * open_:
@@ -257,14 +250,13 @@ def _across(
     outline: Outline,
     state: FloatArray,
     tried: FloatArray,
-    wanted: BoolArray,
     look: Look,
     margin: float,
     every: bool,
 ) -> BoolArray:
     """(h, k) True for hits of an outline that begin a piece which, at the time of a look, would lie
-    across rays that went by unhindered, with each of the wanted (h,) velocities (h, 2), more than
-    that of the state; without `every` only the first such piece of each."""
+    across rays that went by unhindered, with each of the velocities (h, 2), more than that of the
+    state; without `every` only the first such piece of each."""
     points, joined, ranges, count = outline.points, outline.joined, look.ranges, len(look.ranges)
     found = np.zeros((len(tried), len(joined)), dtype=np.bool_)
     bearings = np.arange(count) * (2 * pi / count) - pi + look.yaw
@@ -272,8 +264,6 @@ def _across(
     elapsed = look.stamp - outline.stamp
     x, y = _gone(state, elapsed)
     for h in range(len(tried)):
-        if not wanted[h]:
-            continue
         at_x, at_y = x + elapsed * tried[h, 0] - look.x, y + elapsed * tried[h, 1] - look.y
         ax = ay = last = 0.0
         for k in range(len(joined)):

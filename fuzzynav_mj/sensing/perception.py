@@ -103,8 +103,7 @@ class Perceiver:
         self._settings = settings
         self._noise = sensor.range_noise_m
         self._unreliable = sensor.range_noise_m > 0.0 or sensor.dropouts > 0.0
-        self._past: deque[Look] = deque(maxlen=LOOKS)
-        self._looks: deque[tuple[Look, BoolArray]] = deque(maxlen=settings.looks)
+        self._looks: deque[tuple[Look, BoolArray]] = deque(maxlen=max(LOOKS, settings.looks))
         self._tracks: list[Track] = []
         self._beliefs = Beliefs(
             settings.flow_sigma,
@@ -122,7 +121,7 @@ class Perceiver:
             now = take_clean_look(clean, pose) if self._noise > 0.0 else take_look(scan, pose)
         else:
             now = take_look(scan, pose)
-        earlier = [look for look, _ in self._looks]
+        earlier = [look for look, _ in self._looks][-self._settings.looks :]
         previous = earlier[-1] if earlier else None
         visibility = visibility_matrix(now, previous, scan.bearings, self._spec.rings)
         hits = gather_hits(now)
@@ -148,7 +147,7 @@ class Perceiver:
     ) -> tuple[PerceivedObstacle, ...]:
         """What the hits belong to; takes them in."""
         known = list(self._tracks)
-        space = FreeSpace(now, list(self._past), self._noise)
+        space = FreeSpace(now, [look for look, _ in self._looks], self._noise)
         for number, track in enumerate(known):
             chosen = (owners == number).nonzero()[0]
             if len(chosen):
@@ -166,7 +165,6 @@ class Perceiver:
             elif owner == NEW and end - first >= 2:
                 tracks[index] = self._begin(np.arange(first, end), hits, flags, taken, space)
         self._looks.append((now, taken))
-        self._past.append(now)
         self._unite(spans, tracks, hits)
         return tuple(
             _perceived(
@@ -187,7 +185,8 @@ class Perceiver:
         centre = hits.points[:, chosen].mean(axis=1)
         x, y = centre.tolist()
         extent = self._settings.mover_extent / 2
-        before = [outline_around(look, others, x, y, extent) for look, others in self._looks]
+        recent = list(self._looks)[-self._settings.looks :]
+        before = [outline_around(look, others, x, y, extent) for look, others in recent]
         track = Track.begin(centre, before)
         track.take_in(outline_of(hits, chosen, space.now), space, self._beliefs)
         self._tracks.append(track)

@@ -182,7 +182,7 @@ class Track:
                     return np.ones(len(others), dtype=bool)
                 own = left_over(outline, others) if others.any() else outline
                 strange, anew = space.strangers(state, own, self._shown)
-                if strange.any() or anew:
+                if strange.any():
                     others[np.flatnonzero(~others)[strange]] = True
                     if others.sum() > len(others) - 2:
                         return np.ones(len(others), dtype=bool)
