@@ -21,6 +21,7 @@ NO_TURN = TURNS  # the row of the heading table in which the robot stops turning
 YAW_RATE_CLASS = 0.1  # rad/s
 TURN_TIME = 0.2  # s: time constant of the turn towards the direction
 FINE_STEPS = 4  # so many half periods are rolled out first, where speeds still change fast
+SECOND_EVERY = 3  # so few of the candidates tell what a second move can do
 FORWARD_SPEEDS = (1.0, 0.5, 0.2)  # fractions of the top speed
 REVERSE_SPEEDS = (1.0, 0.4)
 
@@ -77,6 +78,35 @@ def candidate_motions(wanted: float, twist: Twist2D, spec: RobotSpec) -> Motions
         table.whole,
     )
     return Motions(poses, facing, speeds, aims.speed, direction, aims.brake_steps, aims.on_the_spot)
+
+
+def moves_after(first: FloatArray, spec: RobotSpec) -> Motions:
+    """Candidates, one of every `SECOND_EVERY` straight ahead, from where first moves end, those of
+    each after those of the one before.
+
+    Args:
+        first: (p, k, 3) the first moves' poses in the periods that they take, at least two.
+        spec: the robot's.
+
+    Returns:
+        Candidates through the HORIZON - k periods that are left.
+    """
+    aims, table = _aims(spec), _headings(spec)
+    turn, aim = aims.turn[::SECOND_EVERY], aims.speed[::SECOND_EVERY]
+    poses, facing, speeds, direction = _drive_on(
+        first, table.courses, table.rate, turn, aim, spec.decision_period, spec.max_acceleration,
+        table.span, table.whole,
+    )  # fmt: skip
+    count = len(first)
+    return Motions(
+        poses,
+        facing,
+        speeds,
+        np.tile(aim, count),
+        direction,
+        np.tile(aims.brake_steps[::SECOND_EVERY], count),
+        np.tile(aims.on_the_spot[::SECOND_EVERY], count),
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -198,33 +228,121 @@ def _drive(
     poses, speeds = np.empty((count, len(whole), 3)), np.empty((count, 2))
     facing, direction = np.empty((count, len(whole), 2)), np.empty(count)
     for i in range(count):
-        if turns[i] == NO_TURN:
-            row, direction[i] = NO_TURN, 0.0
-        elif aim[i] < 0.0:
-            row = turns[i] % TURNS
-            direction[i] = row * TURN_STEP + pi
-        else:
-            row = (wanted + turns[i]) % TURNS
-            direction[i] = row * TURN_STEP
+        row = _row(turns[i], aim[i], wanted)
+        direction[i] = _direction(row, aim[i])
+        speeds[i, 0] = _roll_out(
+            poses[i], facing[i], courses[row], aim[i], speed_now, acceleration, span, whole
+        )
         speeds[i, 1] = rates[row]
-        x, y, speed, period = 0.0, 0.0, speed_now, 0
-        for step in range(len(span)):
-            drive, c, s, aside_x, aside_y, yaw, ahead, aside = courses[row, step]
-            change = acceleration * span[step]
-            after = min(max(drive * aim[i], speed - change), speed + change)
-            mean = (speed + after) / 2
-            x += (c * mean + aside_x) * span[step]
-            y += (s * mean + aside_y) * span[step]
-            speed = after
-            if step == whole[0]:
-                speeds[i, 0] = speed
-            if step == whole[period]:
-                poses[i, period, 0] = x
-                poses[i, period, 1] = y
-                poses[i, period, 2] = yaw
-                facing[i, period, 0], facing[i, period, 1] = ahead, aside
-                period += 1
     return poses, facing, speeds, direction
+
+
+@compiled
+def _drive_on(
+    first: FloatArray,
+    courses: FloatArray,
+    rates: FloatArray,
+    turns: IntArray,
+    aim: FloatArray,
+    decision_period: float,
+    acceleration: float,
+    span: FloatArray,
+    whole: IntArray,
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """What `_drive` returns, in the frame of the first moves (p, k, 3), for p times the candidates.
+
+    Args:
+        first: as in `moves_after`.
+        courses, rates: (classes, rows, steps, 8) and (classes, rows) of `_Headings`.
+        turns, aim: (m,) turn and speed of `_Aims`.
+        decision_period: s.
+        acceleration, span, whole: as in `_drive`.
+    """
+    count, spent, each = len(first), first.shape[1], len(aim)
+    poses, facing = (
+        np.empty((count * each, HORIZON - spent, 3)),
+        np.empty((count * each, HORIZON - spent, 2)),
+    )
+    speeds, direction = np.empty((count * each, 2)), np.empty(count * each)
+    classes = len(courses) // 2
+    for n in range(count):
+        before_x, before_y, before = first[n, spent - 2]
+        x, y, yaw = first[n, spent - 1]
+        c, s = cos(yaw), sin(yaw)
+        speed = (c * (x - before_x) + s * (y - before_y)) / decision_period
+        omega = (yaw - before) / decision_period
+        kind = min(max(round(omega / YAW_RATE_CLASS), -classes), classes) + classes
+        for m in range(each):
+            i, row = n * each + m, _row(turns[m], aim[m], 0)
+            direction[i] = _direction(row, aim[m]) + yaw
+            speeds[i, 1] = rates[kind, row]
+            speeds[i, 0] = _roll_out(
+                poses[i], facing[i], courses[kind, row], aim[m], speed, acceleration, span, whole
+            )
+            for j in range(HORIZON - spent):
+                ahead, aside = poses[i, j, 0], poses[i, j, 1]
+                poses[i, j, 0], poses[i, j, 1] = (
+                    c * ahead - s * aside + x,
+                    s * ahead + c * aside + y,
+                )
+                poses[i, j, 2] += yaw
+                ahead, aside = facing[i, j, 0], facing[i, j, 1]
+                facing[i, j, 0], facing[i, j, 1] = c * ahead - s * aside, s * ahead + c * aside
+    return poses, facing, speeds, direction
+
+
+@compiled
+def _direction(row: int, aim: float) -> float:
+    """Direction of travel of a row of the heading table at a speed aimed at, rad."""
+    return 0.0 if row == NO_TURN else row * TURN_STEP + (pi if aim < 0.0 else 0.0)
+
+
+@compiled
+def _row(turn: int, aim: float, wanted: int) -> int:
+    """The row of the heading table for a turn and a speed of `_Aims`."""
+    if turn == NO_TURN:
+        return NO_TURN
+    # In reverse the heading hardly changes, whatever direction is wanted.
+    return (turn if aim < 0.0 else wanted + turn) % TURNS
+
+
+@compiled
+def _roll_out(
+    poses: FloatArray,
+    facing: FloatArray,
+    course: FloatArray,
+    aim: float,
+    speed: float,
+    acceleration: float,
+    span: FloatArray,
+    whole: IntArray,
+) -> float:
+    """Fills in the poses (T, 3) and facings (T, 2) of one candidate, for as many periods as they
+    have room for; returns its speed after the first one, m/s.
+
+    Args:
+        poses, facing: robot frame.
+        course: (steps, 8) of `_Headings`.
+        aim: speed aimed at, m/s.
+        speed: now, m/s.
+        acceleration, span, whole: as in `_drive`.
+    """
+    x, y, first, period = 0.0, 0.0, 0.0, 0
+    for step in range(whole[len(poses) - 1] + 1):
+        drive, c, s, aside_x, aside_y, yaw, ahead, aside = course[step]
+        change = acceleration * span[step]
+        after = min(max(drive * aim, speed - change), speed + change)
+        mean = (speed + after) / 2
+        x += (c * mean + aside_x) * span[step]
+        y += (s * mean + aside_y) * span[step]
+        speed = after
+        if step == whole[0]:
+            first = speed
+        if step == whole[period]:
+            poses[period, 0], poses[period, 1], poses[period, 2] = x, y, yaw
+            facing[period, 0], facing[period, 1] = ahead, aside
+            period += 1
+    return first
 
 
 @compiled
