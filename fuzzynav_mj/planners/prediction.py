@@ -18,7 +18,7 @@ from fuzzynav_mj.types import FloatArray, PerceivedObstacle
 
 SWERVE = 0.5  # m/s2: sideways acceleration that a mover may add to what is seen of it
 SWERVE_TIME = 0.8  # s: for so long
-TURNED_BACK = 0.3  # s: a decision, and what the robot takes to be as fast as the mover
+TURNED_BACK = 0.4  # s: a look, and what the robot takes to be as fast as the mover
 TURNING = 0.3  # rad/s: a slower turn is as good as straight
 UNCERTAIN = 0.12  # m/s: a smaller uncertainty of the closing speed is not worth a thought
 LARGEST_SURPRISE = 0.5  # m/s

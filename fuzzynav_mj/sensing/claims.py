@@ -1,35 +1,13 @@
 """Which hits known movers claim: those that lie on their outlines, carried on to this look."""
 
 from math import hypot
-from typing import NamedTuple
 
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
+from fuzzynav_mj.sensing.expected import Expected
 from fuzzynav_mj.sensing.segmentation import STANDS, STATIC, Hits
-from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
-
-
-class Expected(NamedTuple):
-    """Outlines of t known movers where they should be now, k points in all.
-
-    Attributes:
-        points: (2, k) world frame, m.
-        joined: (k,) True where a point and the next one lie on one surface of one mover.
-        normals: (2, k) of the piece between them.
-        owner: (k,) number of the mover.
-        velocity: (t, 2) m/s.
-        centre: (t, 2) middle of its hits, world frame, m.
-        reach: (t,) how far off its outline a mover's hits may lie, m.
-    """
-
-    points: FloatArray
-    joined: BoolArray
-    normals: FloatArray
-    owner: IntArray
-    velocity: FloatArray
-    centre: FloatArray
-    reach: FloatArray
+from fuzzynav_mj.types import IntArray
 
 
 @compiled

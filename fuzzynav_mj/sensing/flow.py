@@ -165,16 +165,18 @@ def _depth_behind(x: float, y: float, look: Look) -> float:
 def motion_flags(flow: PointFlow, still: float, certainty: float) -> IntArray:
     """(m,) MOVING, STATIC or UNKNOWN for each hit, as far as it can be told.
 
+    It moves if any comparison shows that: what turned back is where it was before.
+
     Args:
-        flow: the longest comparison, which has the last word, first.
+        flow: the comparisons.
         still: a surface that moved less than this stands still, m.
         certainty: standard deviations of noise beyond `still` that show motion.
     """
     looks, count = flow.known.shape
-    flags = np.zeros(count, dtype=np.intp)  # UNKNOWN
+    flags = np.full(count, UNKNOWN)
     for i in range(count):
         for look in range(looks):
-            if flags[i] == UNKNOWN and flow.known[look, i]:
+            if flags[i] != MOVING and flow.known[look, i]:
                 moved = abs(flow.distance[look, i]) > still + certainty * flow.sigma[look, i]
                 flags[i] = MOVING if moved else STATIC
         for look in range(looks):

@@ -12,7 +12,7 @@ common motion explains.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import atan2, ceil, cos, exp, floor, pi, sin, sqrt
+from math import atan2, ceil, cos, exp, floor, inf, pi, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +20,7 @@ import numpy as np
 from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.sensing.looks import Look, ray_number
 from fuzzynav_mj.sensing.outline import Outline, convex_parts
-from fuzzynav_mj.sensing.velocity_filter import gone_since
+from fuzzynav_mj.sensing.velocity_filter import LARGEST_ACCELERATION, gone_since
 from fuzzynav_mj.types import BoolArray, FloatArray
 
 LOOKS = 4  # earlier looks whose free space counts
@@ -69,7 +69,12 @@ class FreeSpace:
     noise: float = 0.0
 
     def narrow(
-        self, state: FloatArray, covariance: FloatArray, outline: Outline, before: Sequence[Outline]
+        self,
+        state: FloatArray,
+        covariance: FloatArray,
+        outline: Outline,
+        before: Sequence[Outline],
+        since: float = -inf,
     ) -> tuple[FloatArray, FloatArray]:
         """State (4,) and covariance (4, 4), as in velocity_filter.py, without the velocities that
         are ruled out; as they are where all are, or none.
@@ -81,13 +86,15 @@ class FreeSpace:
             state, covariance: of the mover.
             outline: of the mover, now.
             before: its outlines in earlier looks.
+            since: stamp of the first look since which it may have moved like this, s.
         """
         frame = _frame(covariance)
         if frame.steps * frame.side_steps == 1:
             return state, covariance
         places, tried, likely = _grid(frame)
         ruled_out = np.zeros(len(tried), dtype=np.bool_)
-        earlier = [(outline, look) for look in reversed(self.past[-LOOKS:])]
+        looks = [look for look in reversed(self.past[-LOOKS:]) if look.stamp >= since]
+        earlier = [(outline, look) for look in looks]
         onward = [(shown, self.now) for shown in reversed(before)]
         for pairs in (earlier, onward):
             for number, (shown, look) in enumerate(pairs):
@@ -97,6 +104,18 @@ class FreeSpace:
         if ruled_out.all() or not ruled_out.any():
             return state, covariance
         return _without(state, covariance, frame, places, np.where(ruled_out, 0.0, likely), likely)
+
+    def contradicts(self, state: FloatArray, outline: Outline, last: Outline) -> bool:
+        """True if a mover of this state (4,), with an outline of one part, would have been where
+        rays went by in the last look, or its outline of then would be where they do now; and
+        whichever way it had changed its velocity in a bend, too."""
+        if not self.past or convex_parts(outline)[-1] > 0:
+            return False
+        change = LARGEST_ACCELERATION * (outline.stamp - last.stamp)
+        tried = change * np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
+        back = _across(outline, state, tried, self.past[-1], self._contradiction, False)
+        onward = _across(last, state, tried, self.now, self._contradiction, False)
+        return bool((back.any(axis=1) | onward.any(axis=1)).all())
 
     def strangers(
         self, state: FloatArray, outline: Outline, before: Sequence[Outline]
@@ -113,7 +132,7 @@ class FreeSpace:
         across = np.zeros(len(part), dtype=bool)
         if part[-1] == 0:
             return across, False
-        margin, believed = CONTRADICTION + FREE_NOISE * self.noise, np.zeros((1, 2))
+        margin, believed = self._contradiction, np.zeros((1, 2))
         for look in self.past[-RECENT:]:
             across |= _across(outline, state, believed, look, margin, True)[0]
         unseen = any(
@@ -126,6 +145,11 @@ class FreeSpace:
         if len(contradicting) == 0 or largest in contradicting:
             return part != largest, True
         return np.isin(part, contradicting), False
+
+    @property
+    def _contradiction(self) -> float:
+        """By how much farther a ray must have reached to put what is believed in doubt, m."""
+        return CONTRADICTION + FREE_NOISE * self.noise
 
     def _margin(self, elapsed: float) -> float:
         """By how much farther a ray must have reached, so long ago, to rule anything out, m."""

@@ -6,20 +6,21 @@ The memory is a few looks and the tracks of movers in sight: nothing of the worl
 from collections import deque
 from dataclasses import dataclass
 from itertools import pairwise
-from math import atan2, hypot, pi, sqrt
+from math import hypot, sqrt
 
 import numpy as np
 
-from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.disturbance import PERFECT, Disturbance
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.sensing.claims import claimed
 from fuzzynav_mj.sensing.cleaning import clean_scan
+from fuzzynav_mj.sensing.expected import expected_outlines
 from fuzzynav_mj.sensing.flow import motion_flags, point_flow
 from fuzzynav_mj.sensing.free_space import LOOKS, FreeSpace
 from fuzzynav_mj.sensing.hidden import hidden_part
 from fuzzynav_mj.sensing.looks import Look, take_clean_look, take_look
 from fuzzynav_mj.sensing.outline import outline_around, outline_of
+from fuzzynav_mj.sensing.perceived import perceived
 from fuzzynav_mj.sensing.segmentation import (
     NEW,
     STATIC,
@@ -29,12 +30,11 @@ from fuzzynav_mj.sensing.segmentation import (
     gather_hits,
     run_bounds,
 )
-from fuzzynav_mj.sensing.tracking import FORGET_AFTER, Track, expected_outlines
+from fuzzynav_mj.sensing.tracking import FORGET_AFTER, Track
 from fuzzynav_mj.sensing.velocity_filter import Beliefs
 from fuzzynav_mj.sensing.visibility import visibility_matrix
 from fuzzynav_mj.types import (
     BoolArray,
-    FloatArray,
     IntArray,
     LaserScan,
     PerceivedObstacle,
@@ -43,6 +43,7 @@ from fuzzynav_mj.types import (
 )
 
 SETTLED = 4  # looks after which a track is more than a guess
+TURNED_OFF = 0.15  # m from where it should be within which a mover that has turned is looked for
 GONE = 0.3  # share of an outline seen to be free that shows that the mover went elsewhere
 
 
@@ -153,6 +154,7 @@ class Perceiver:
             if len(chosen):
                 others = track.take_in(outline_of(hits, chosen, now), space, self._beliefs)
                 owners[chosen[others]] = NEW
+        lost = [track for track in known if track.missed == 1 and track.seen >= 2]
         taken = np.zeros(len(now.ranges), dtype=bool)
         taken[hits.rays[owners >= 0]] = True
         bounds = run_bounds(hits.first, owners)
@@ -163,11 +165,14 @@ class Perceiver:
             if owner >= 0:
                 tracks[index] = known[owner]
             elif owner == NEW and end - first >= 2:
-                tracks[index] = self._begin(np.arange(first, end), hits, flags, taken, space)
+                chosen = np.arange(first, end)
+                tracks[index] = self._found_again(lost, chosen, hits, taken, space)
+                if tracks[index] is None:
+                    tracks[index] = self._begin(chosen, hits, flags, taken, space)
         self._looks.append((now, taken))
         self._unite(spans, tracks, hits)
         return tuple(
-            _perceived(
+            perceived(
                 np.ascontiguousarray(hits.points[:, first:end].T),
                 now,
                 track if self._moves(track) else None,
@@ -175,6 +180,30 @@ class Perceiver:
             )
             for (first, end), track in zip(spans, tracks, strict=True)
         )
+
+    def _found_again(
+        self,
+        lost: list[Track],
+        chosen: IntArray,
+        hits: Hits,
+        taken: BoolArray,
+        space: FreeSpace,
+    ) -> Track | None:
+        """That of the lost tracks whose mover has turned at once, to be where some hits are."""
+        if not lost:
+            return None
+        outline = outline_of(hits, chosen, space.now)
+        x, y = outline.points.mean(axis=1).tolist()
+        for track in lost:
+            if hypot(x - track.centre[0], y - track.centre[1]) >= TURNED_OFF:
+                continue
+            turned = track.turned(outline, space, self._beliefs)
+            if turned is not None:
+                track.turn(outline, turned)
+                lost.remove(track)
+                taken[hits.rays[chosen]] = True
+                return track
+        return None
 
     def _begin(
         self, chosen: IntArray, hits: Hits, flags: IntArray, taken: BoolArray, space: FreeSpace
@@ -219,7 +248,7 @@ class Perceiver:
             if unseen and free > GONE * outline.shape[1]:
                 self._tracks.remove(track)
             elif len(points) >= 2:
-                found.append(_perceived(points, now, track, self._noise))
+                found.append(perceived(points, now, track, self._noise))
         return tuple(found)
 
     def _moves(self, track: Track | None) -> bool:
@@ -232,56 +261,3 @@ class Perceiver:
         if not settings.slowest <= track.speed <= settings.top_speed:
             return False
         return self._noise == 0.0 or track.moves_for_certain(settings.significance)
-
-
-def _perceived(
-    points: FloatArray, now: Look, track: Track | None, noise: float
-) -> PerceivedObstacle:
-    """An obstacle of these points (k, 2), seen with ranges of this much noise, m."""
-    nearest = points[_nearest(points, now.x, now.y)]
-    x, y = nearest.tolist()
-    x, y = x - now.x, y - now.y
-    distance = hypot(x, y)
-    bearing = (atan2(y, x) - now.yaw + pi) % (2 * pi) - pi
-    if track is None:
-        return PerceivedObstacle(
-            points=points,
-            nearest_point=nearest,
-            distance=distance,
-            bearing=bearing,
-            dynamic=False,
-            approaching=False,
-            velocity=np.zeros(2),
-        )
-    velocity, reach = track.velocity, max(distance, 1e-9)
-    return PerceivedObstacle(
-        points=points,
-        nearest_point=nearest,
-        distance=distance,
-        bearing=bearing,
-        dynamic=True,
-        approaching=float(velocity[0] * x + velocity[1] * y) < 0.0,
-        velocity=velocity,
-        turn_rate=track.turn_rate,
-        closing_sigma=track.sigma_along(x / reach, y / reach),
-        drift_sigma=_across(track) if noise > 0.0 else 0.0,
-        unsure=track.least_known if noise > 0.0 else np.zeros(2),
-    )
-
-
-def _across(track: Track) -> float:
-    """Uncertainty of a mover's speed across its direction, m/s."""
-    vx, vy = track.velocity.tolist()
-    speed = max(hypot(vx, vy), 1e-9)
-    return track.sigma_along(-vy / speed, vx / speed)
-
-
-@compiled
-def _nearest(points: FloatArray, x: float, y: float) -> int:
-    """Number of the point (k, 2) nearest to a place."""
-    found, smallest = 0, np.inf
-    for k in range(len(points)):
-        dx, dy = points[k, 0] - x, points[k, 1] - y
-        if dx * dx + dy * dy < smallest:
-            found, smallest = k, dx * dx + dy * dy
-    return found

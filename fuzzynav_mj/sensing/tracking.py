@@ -11,28 +11,31 @@ from math import atan2, cos, hypot, inf, sin, sqrt
 
 import numpy as np
 
-from fuzzynav_mj.sensing.claims import Expected
+from fuzzynav_mj.sensing.corners import (
+    STRAY_REACH,
+    Turned,
+    changed_at_once,
+    explains_most,
+    turned_at_once,
+    unexplained,
+)
 from fuzzynav_mj.sensing.free_space import FreeSpace
 from fuzzynav_mj.sensing.outline import Outline, in_one, left_over
-from fuzzynav_mj.sensing.registration import misfit, strays
+from fuzzynav_mj.sensing.registration import misfit
 from fuzzynav_mj.sensing.velocity_filter import (
-    ACCELERATION_SIGMA,
+    LARGEST_ACCELERATION,
     LARGEST_REACH,
     Beliefs,
     carried_on,
     gone_since,
+    nothing_known,
     taken_in,
 )
 from fuzzynav_mj.types import BoolArray, FloatArray
 
-FIRST_SPEED_SIGMA = 0.3  # m/s: what is believed of a mover before its motion is measured
-LARGEST_ACCELERATION = 1.2  # m/s2
 FORGET_AFTER = 8  # looks without a hit
 REMEMBERED = 2  # looks whose outlines are kept
 CLAIM = 0.03  # m between a hit and a mover's outline that claims it, besides what is uncertain
-STRAY_REACH = 0.08  # m within which a hit is held against an outline that should explain it
-STRAY = 0.008  # m by which it may lie off, besides ...
-STRAY_NOISE = 2.0  # ... so many standard deviations of the ranges
 SAME_MOVER = 3.0  # squared standard deviations between velocities that may be one
 SAME_MOVER_MISFIT = 0.006  # m by which one velocity may miss both outlines
 WHOLE = 0.6  # of the most hits that an outline must have to count as a full one
@@ -44,15 +47,6 @@ NOTHING = Outline(
     np.empty(0, dtype=bool),
     np.empty((2, 0)),
     np.empty((2, 0), dtype=bool),
-)
-NOBODY = Expected(
-    np.empty((2, 0)),
-    np.empty(0, dtype=bool),
-    np.empty((2, 0)),
-    np.empty(0, dtype=np.intp),
-    np.empty((0, 2)),
-    np.empty((0, 2)),
-    np.empty(0),
 )
 
 
@@ -69,6 +63,7 @@ class Track:
         most: the largest number of its hits, not long ago.
         shift: (2,) how far the mover has gone since then, m ...
         known_shift: (2,) ... up to when it was last seen.
+        straight_since: stamp of the look before which it last turned at once, s.
         reach: how far off its outline hits may lie, m.
         seen: number of looks that showed it, and ...
         missed: ... since then did not.
@@ -82,6 +77,7 @@ class Track:
     most: int = 0
     shift: FloatArray = field(default_factory=lambda: np.zeros(2))
     known_shift: FloatArray = field(default_factory=lambda: np.zeros(2))
+    straight_since: float = -inf
     reach: float = CLAIM
     seen: int = 0
     missed: int = 0
@@ -172,28 +168,62 @@ class Track:
             (k,) True for the hits that the motion learnt does not explain: another's. If it
             explains hardly any, nothing is learnt.
         """
-        others = np.zeros(len(outline.joined), dtype=bool)
-        gone = 0.0, 0.0
-        if self.outlines:
-            state, covariance = self._learnt(outline, space, beliefs)
-            if self.seen > 0:
-                others = self._unexplained(state, outline, beliefs)
-                if len(others) - others.sum() < max(len(others) / 2, 2.0):
-                    return np.ones(len(others), dtype=bool)
-                own = left_over(outline, others) if others.any() else outline
-                strange, anew = space.strangers(state, own, self._shown)
-                if strange.any():
-                    others[np.flatnonzero(~others)[strange]] = True
-                    if others.sum() > len(others) - 2:
-                        return np.ones(len(others), dtype=bool)
-                    own = left_over(outline, others)
-                    if anew:
-                        self._forget()
-                    state, covariance = self._learnt(own, space, beliefs)
-                outline = own
-            gone = gone_since(state, outline.stamp - self.outlines[-1].stamp)
-            self.state, self.covariance = state, covariance
-        self.known_shift = self.shift = self.known_shift + gone
+        nobody = np.zeros(len(outline.joined), dtype=bool)
+        if not self.outlines:
+            self._note(outline)
+            return nobody
+        state, covariance = self._learnt(outline, space, beliefs)
+        if self.seen == 0:
+            self._go_on(outline, state, covariance)
+            return nobody
+        others = self._unexplained(state, outline, beliefs)
+        explained = explains_most(others)
+        doubted = self._changed_at_once(state, outline) or (
+            self.seen >= 2 and space.contradicts(state, outline, self.outlines[-1])
+        )
+        if doubted or not explained:
+            turned = self.turned(outline, space, beliefs)
+            if turned is not None:
+                self.turn(outline, turned)
+                return turned.others
+        if not explained:
+            return np.ones(len(others), dtype=bool)
+        own = left_over(outline, others) if others.any() else outline
+        strange, anew = space.strangers(state, own, self._shown)
+        if strange.any():
+            others[np.flatnonzero(~others)[strange]] = True
+            if others.sum() > len(others) - 2:
+                return np.ones(len(others), dtype=bool)
+            own = left_over(outline, others)
+            if anew:
+                self.state, self.covariance = nothing_known()
+                self._forget_outlines()
+            state, covariance = self._learnt(own, space, beliefs)
+        self._go_on(own, state, covariance)
+        return others
+
+    def turned(self, outline: Outline, space: FreeSpace, beliefs: Beliefs) -> Turned | None:
+        """What is known of it if it has turned at once, to have this outline now; None if it has
+        not. The arguments are those of `take_in`."""
+        return turned_at_once(outline, self.outlines[-1], self.velocity, space, beliefs)
+
+    def turn(self, outline: Outline, turned: Turned) -> None:
+        """Takes in an outline after the mover has turned at once."""
+        self._forget_outlines()
+        self.outlines.clear()
+        self.straight_since = outline.stamp
+        self.state, self.covariance = turned.state, turned.covariance
+        self._note(left_over(outline, turned.others) if turned.others.any() else outline)
+
+    def _go_on(self, outline: Outline, state: FloatArray, covariance: FloatArray) -> None:
+        """Takes in an outline and what was learnt from it."""
+        gone = gone_since(state, outline.stamp - self.outlines[-1].stamp)
+        self.shift = self.known_shift = self.known_shift + gone
+        self.state, self.covariance = state, covariance
+        self._note(outline)
+
+    def _note(self, outline: Outline) -> None:
+        """Remembers the outline of a look."""
         self.centre = outline.points.mean(axis=1)
         self.outlines.append(outline)
         old = outline.stamp - self.fullest.stamp > OUTLINE_TIME
@@ -202,7 +232,6 @@ class Track:
             self.fullest = outline
             self.shift = self.known_shift = np.zeros(2)
         self.seen, self.missed, self.reach = self.seen + 1, 0, CLAIM
-        return others
 
     @property
     def _shown(self) -> list[Outline]:
@@ -217,22 +246,23 @@ class Track:
             self.state, self.covariance, outline, (self.outlines[0], self.outlines[-1]),
             len(self.outlines), space.now, beliefs,
         )  # fmt: skip
-        return space.narrow(state, covariance, outline, self._shown)
+        return space.narrow(state, covariance, outline, self._shown, self.straight_since)
 
     def _unexplained(self, state: FloatArray, outline: Outline, beliefs: Beliefs) -> BoolArray:
         """(k,) True for hits that a motion does not explain."""
-        tolerance = STRAY + STRAY_NOISE * beliefs.noise
-        oldest, newest = self.outlines[0], self.outlines[-1]
-        gone = gone_since(state, outline.stamp - newest.stamp)
-        others = strays(outline, newest, *gone, STRAY_REACH, tolerance)
+        others = unexplained(state, outline, self.outlines[-1], beliefs)
         # A slow difference shows only over the longer time.
-        gone = gone_since(state, outline.stamp - oldest.stamp)
-        slow = strays(outline, oldest, *gone, STRAY_REACH, tolerance)
+        slow = unexplained(state, outline, self.outlines[0], beliefs)
         return others if slow.all() else others | slow
 
-    def _forget(self) -> None:
-        """Forgets what was believed of its motion, and which outlines are its own."""
-        self.state, self.covariance = nothing_known()
+    def _changed_at_once(self, state: FloatArray, outline: Outline) -> bool:
+        """True if a state (4,) is not what was expected of a mover whose motion is known."""
+        elapsed = outline.stamp - self.outlines[-1].stamp
+        known = self.seen >= 2
+        return known and changed_at_once(state, self.state, self.covariance, elapsed)
+
+    def _forget_outlines(self) -> None:
+        """Forgets which outlines are its own."""
         self.fullest, self.most, self.seen = NOTHING, 0, 0
 
     def agrees(self, other: "Track") -> bool:
@@ -263,28 +293,6 @@ class Track:
         mine, theirs = np.linalg.inv(self.covariance), np.linalg.inv(other.covariance)
         covariance = np.ascontiguousarray(np.linalg.inv(mine + theirs))
         return covariance @ (mine @ self.state + theirs @ other.state), covariance
-
-
-def nothing_known() -> tuple[FloatArray, FloatArray]:
-    """State and covariance of a mover whose motion was not measured yet."""
-    sigmas = np.array([FIRST_SPEED_SIGMA] * 2 + [ACCELERATION_SIGMA] * 2)
-    return np.zeros(4), np.diag(sigmas**2)
-
-
-def expected_outlines(tracks: Sequence[Track], slack: float) -> Expected:
-    """Where the tracks' outlines should be now, give or take `slack`, m, for the sensor's noise."""
-    if not tracks:
-        return NOBODY
-    full = [track.fullest for track in tracks]
-    return Expected(
-        points=np.concatenate([track.expected_outline for track in tracks], axis=1),
-        joined=np.concatenate([outline.joined for outline in full]),
-        normals=np.concatenate([outline.normals for outline in full], axis=1),
-        owner=np.repeat(np.arange(len(tracks)), [len(outline.joined) for outline in full]),
-        velocity=np.array([track.velocity for track in tracks]),
-        centre=np.array([track.centre for track in tracks]),
-        reach=np.array([track.reach + slack for track in tracks], dtype=np.float64),
-    )
 
 
 def _misses(track: Track, state: FloatArray) -> float:

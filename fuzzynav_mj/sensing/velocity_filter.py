@@ -16,7 +16,9 @@ from fuzzynav_mj.sensing.outline import Outline, end_before
 from fuzzynav_mj.sensing.registration import hold_against
 from fuzzynav_mj.types import FloatArray
 
+FIRST_SPEED_SIGMA = 0.3  # m/s: what is believed of a mover before its motion is measured
 ACCELERATION_SIGMA = 0.6  # m/s2: how strongly movers are believed to change their velocity
+LARGEST_ACCELERATION = 1.2  # m/s2
 ACCELERATION_TIME = 1.0  # s: how long an acceleration is believed to last
 SPEED_NOISE = 0.03  # m/s per look: changes that the acceleration does not explain
 PASSES = 3  # rounds of fitting: each carries the earlier outlines on by the motion of the last
@@ -58,6 +60,12 @@ class Beliefs(NamedTuple):
     independent_hits: float
     outlier: float
     outline_sigma: float
+
+
+def nothing_known() -> tuple[FloatArray, FloatArray]:
+    """State (4,) and covariance (4, 4) of a mover whose motion was not measured yet."""
+    sigmas = np.array([FIRST_SPEED_SIGMA] * 2 + [ACCELERATION_SIGMA] * 2)
+    return np.zeros(4), np.diag(sigmas**2)
 
 
 @compiled

@@ -126,11 +126,11 @@ def test_left_is_the_mirror_of_right(speed: float, heading: float, turn_rate: fl
 
 
 def test_a_mover_may_turn_back_on_the_spot() -> None:
-    """For 0.3 s, in which a robot that stands decides and becomes as fast; then as expected."""
+    """For 0.4 s, in which a robot that stands sees it and becomes as fast; then as expected."""
     for turn_rate in (0.0, 1.0):
         found = ways((0.3, -0.4), turn_rate)
         back = found[0].copy()
-        back[:3] = -TIMES[:3, None] * (0.3, -0.4)
+        back[:4] = -TIMES[:4, None] * (0.3, -0.4)
         assert among(found, back)
 
 

@@ -1,0 +1,102 @@
+"""Movers that turn at once, as on a route with corners.
+
+The filter believes that a velocity changes by an acceleration that lasts for a while. Where a look
+contradicts that, a mover has turned since the look before. What was believed of its motion is then
+worth nothing, and of how its outline has moved since that look only the mean is known: some of the
+way it went as before.
+"""
+
+from math import hypot
+from typing import NamedTuple
+
+import numpy as np
+
+from fuzzynav_mj.sensing.free_space import FreeSpace
+from fuzzynav_mj.sensing.outline import Outline
+from fuzzynav_mj.sensing.registration import strays
+from fuzzynav_mj.sensing.velocity_filter import (
+    ACCELERATION_SIGMA,
+    LARGEST_ACCELERATION,
+    Beliefs,
+    gone_since,
+    nothing_known,
+    taken_in,
+)
+from fuzzynav_mj.types import BoolArray, FloatArray
+
+STRAY_REACH = 0.08  # m within which a hit is held against an outline that should explain it
+STRAY = 0.008  # m by which it may lie off, besides ...
+STRAY_NOISE = 2.0  # ... so many standard deviations of the ranges
+UNLIKE = 9.0  # squared standard deviations beyond which a velocity is not the one expected
+BEFORE = 0.5  # of the change: standard deviation of the velocity now from the mean since the look
+
+
+class Turned(NamedTuple):
+    """A mover after it has turned at once.
+
+    Attributes:
+        state: (4,) as in velocity_filter.py.
+        covariance: (4, 4) of the state.
+        others: (k,) True for the hits of its outline that this does not explain.
+    """
+
+    state: FloatArray
+    covariance: FloatArray
+    others: BoolArray
+
+
+def explains_most(others: BoolArray) -> bool:
+    """True if a motion explains at least half of the hits, for which `others` (k,) is False."""
+    return bool(len(others) - others.sum() >= max(len(others) / 2, 2.0))
+
+
+def unexplained(
+    state: FloatArray, outline: Outline, earlier: Outline, beliefs: Beliefs
+) -> BoolArray:
+    """(k,) True for hits that a mover of this state (4,) and earlier outline does not explain."""
+    gone = gone_since(state, outline.stamp - earlier.stamp)
+    return strays(outline, earlier, *gone, STRAY_REACH, STRAY + STRAY_NOISE * beliefs.noise)
+
+
+def changed_at_once(
+    state: FloatArray, expected: FloatArray, covariance: FloatArray, elapsed: float
+) -> bool:
+    """True if a velocity differs from the one expected by more than any bend explains.
+
+    Args:
+        state: (4,) in the light of a look.
+        expected: (4,) before it ...
+        covariance: (4, 4) ... and how far it was known.
+        elapsed: s since the look before.
+    """
+    x, y = (state[:2] - expected[:2]).tolist()
+    (xx, xy), (_, yy) = covariance[:2, :2].tolist()
+    unlike = (yy * x * x - 2.0 * xy * x * y + xx * y * y) / (xx * yy - xy * xy)
+    return bool(hypot(x, y) > LARGEST_ACCELERATION * elapsed and unlike > UNLIKE)
+
+
+def turned_at_once(
+    outline: Outline, last: Outline, velocity: FloatArray, space: FreeSpace, beliefs: Beliefs
+) -> Turned | None:
+    """A mover that was elsewhere expected, if it has turned at once since the look before; None if
+    that does not explain its outline either, or it was not seen then.
+
+    Args:
+        outline: now.
+        last: its last one.
+        velocity: (2,) that it had, m/s.
+        space: the look of now, and the free space of it and of earlier ones.
+        beliefs: how far measured speeds can be trusted.
+    """
+    if not space.past or last.stamp < space.past[-1].stamp:
+        return None
+    earlier = last, last
+    state, covariance = taken_in(*nothing_known(), outline, earlier, 1, space.now, beliefs)
+    others = unexplained(state, outline, last, beliefs)
+    if not explains_most(others):
+        return None
+    state, covariance = space.narrow(state, covariance, outline, [last], last.stamp)
+    change = BEFORE * (state[:2] - velocity)
+    doubt = np.diag([0.0, 0.0, ACCELERATION_SIGMA**2, ACCELERATION_SIGMA**2])
+    doubt[:2, :2] = covariance[:2, :2] + np.outer(change, change)
+    return Turned(np.array([state[0], state[1], 0.0, 0.0]), doubt, others)
