@@ -1,12 +1,12 @@
 """Where the hits of moving obstacles will be: the paper's predicted future trajectories, Eq. (14).
 
-A mover may keep turning as it turns now, turn more to either side, go straight on, or turn back on
-the spot as scripted ones do where their route ends; a candidate must stay clear of all of these.
-How far one can swerve or come back within the time that the robot needs to react is what counts:
-later the robot will have looked and decided again. A mover whose speed towards the robot is still
-uncertain is also thought of as coming faster, and one whose direction noise makes uncertain as
-going astray to either side. Where noise leaves much of a velocity open it may be more or less by
-one standard deviation.
+A mover may keep turning as it turns now, turn more to either side, go straight on, or turn aside or
+back on the spot, as scripted ones do in the corners and at the ends of their routes; a candidate
+must stay clear of all of these. How far one can get within the time that the robot needs to react
+is what counts: later the robot will have looked and decided again. A mover whose speed towards the
+robot is still uncertain is also thought of as coming faster, and one whose direction noise makes
+uncertain as going astray to either side. Where noise leaves much of a velocity open it may be more
+or less by one standard deviation.
 """
 
 from math import cos, hypot, sin
@@ -17,7 +17,8 @@ from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.types import FloatArray, PerceivedObstacle
 
 SWERVE = 0.5  # m/s2: sideways acceleration that a mover may add to what is seen of it
-SWERVE_TIME = 0.8  # s: for so long
+SWERVE_TIME = 0.6  # s: for so long
+TURNED_ASIDE = 0.2  # s: for so long it may have turned at once by a right angle
 TURNED_BACK = 0.4  # s: a look, and what the robot takes to be as fast as the mover
 TURNING = 0.3  # rad/s: a slower turn is as good as straight
 UNCERTAIN = 0.12  # m/s: a smaller uncertainty of the closing speed is not worth a thought
@@ -26,7 +27,8 @@ LARGEST_SURPRISE = 0.5  # m/s
 EXPECTED_SHARE, BACK_SHARE, OTHER_SHARE = 4.0, 0.2, 1.0
 STEADY = 0.03  # m/s: a smaller uncertainty of the sideways speed is not worth a thought; of what
 DRIFTS = 3.0  # is beyond, so many standard deviations count, but of no more than ...
-LARGEST_DRIFT = 0.1  # m/s: ... this
+LARGEST_DRIFT = 0.1  # m/s: ... this; and what is uncertain of a velocity counts ...
+ASTRAY_TIME = 0.8  # s: ... for so long
 
 
 def displacements(
@@ -84,7 +86,11 @@ def _displacements(
         if turns:
             ways[way, k] = t * vx, t * vy
             way += 1
-        aside = 0.5 * SWERVE * t * t + drift * t if t <= SWERVE_TIME + 1e-9 else 0.0
+        aside = 0.5 * SWERVE * t * t if t <= SWERVE_TIME + 1e-9 else 0.0
+        if t <= TURNED_ASIDE + 1e-9:
+            aside = max(aside, t * speed)
+        if t <= ASTRAY_TIME + 1e-9:
+            aside += drift * t
         for side in (1.0, -1.0):
             swerve = side * aside / speed
             ways[way, k] = forth_x - swerve * vy, forth_y + swerve * vx
@@ -97,7 +103,7 @@ def _displacements(
             ways[way, k] = forth_x + share * x, forth_y + share * y
             way += 1
         if guesses:
-            share = t * min(1.0, LARGEST_SURPRISE / unsure) if t <= SWERVE_TIME + 1e-9 else 0.0
+            share = t * min(1.0, LARGEST_SURPRISE / unsure) if t <= ASTRAY_TIME + 1e-9 else 0.0
             for side in (share, -share):
                 ways[way, k] = forth_x + side * unsure_x, forth_y + side * unsure_y
                 way += 1

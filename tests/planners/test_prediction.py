@@ -134,19 +134,35 @@ def test_a_mover_may_turn_back_on_the_spot() -> None:
         assert among(found, back)
 
 
+@settings(max_examples=30, deadline=None)
+@given(speeds, angles, st.floats(-2.0, 2.0))
+def test_a_mover_may_turn_aside_on_the_spot_or_swerve(
+    speed: float, heading: float, turn_rate: float
+) -> None:
+    """At its own speed for 0.2 s, or with 0.5 m/s2 if that takes it farther; so for 0.6 s; then it
+    goes on as expected."""
+    found = ways((speed * cos(heading), speed * sin(heading)), turn_rate)
+    left = np.array([-sin(heading), cos(heading)])
+    aside = np.where(TIMES < 0.61, 0.25 * TIMES**2, 0.0)
+    aside = np.where(TIMES < 0.21, np.maximum(aside, speed * TIMES), aside)
+    for side in (1.0, -1.0):
+        assert among(found, found[0] + side * aside[:, None] * left)
+
+
 def test_a_mover_of_uncertain_direction_may_go_astray_to_both_sides() -> None:
     """By three standard deviations of what is beyond 0.03 m/s, but no more than 0.3 m/s."""
 
-    def widest(drift_sigma: float) -> float:
+    def widest(drift_sigma: float, time: int) -> float:
         seen = mover([(0.6, 0.0), (0.65, 0.1)], (-0.2, 0.0), drift_sigma=drift_sigma)
         found, _ = displacements(seen, HERE, TIMES)
-        left, right = float(found[:, 7, 1].max()), float(found[:, 7, 1].min())
+        left, right = float(found[:, time, 1].max()), float(found[:, time, 1].min())
         assert left == pytest.approx(-right)
-        return left  # after 0.8 s
+        return left
 
-    assert widest(0.03) == pytest.approx(0.16)
-    assert widest(0.05) == pytest.approx(0.16 + 3.0 * 0.02 * 0.8)
-    assert widest(0.5) == pytest.approx(0.16 + 0.3 * 0.8)
+    for time, swerve in ((5, 0.09), (7, 0.0)):  # after 0.6 and 0.8 s
+        assert widest(0.03, time) == pytest.approx(swerve, abs=1e-9)
+        assert widest(0.05, time) == pytest.approx(swerve + 3.0 * 0.02 * TIMES[time])
+        assert widest(0.5, time) == pytest.approx(swerve + 0.3 * TIMES[time])
 
 
 def test_uncertain_closing_speed_is_met_with_caution() -> None:
