@@ -20,6 +20,7 @@ from fuzzynav_mj.sensing.velocity_filter import (
     Beliefs,
     gone_since,
     nothing_known,
+    squared_sigmas,
     taken_in,
 )
 from fuzzynav_mj.types import BoolArray, FloatArray
@@ -70,9 +71,8 @@ def changed_at_once(
         elapsed: s since the look before.
     """
     x, y = (state[:2] - expected[:2]).tolist()
-    (xx, xy), (_, yy) = covariance[:2, :2].tolist()
-    unlike = (yy * x * x - 2.0 * xy * x * y + xx * y * y) / (xx * yy - xy * xy)
-    return bool(hypot(x, y) > LARGEST_ACCELERATION * elapsed and unlike > UNLIKE)
+    large = hypot(x, y) > LARGEST_ACCELERATION * elapsed
+    return large and squared_sigmas(x, y, covariance) > UNLIKE
 
 
 def turned_at_once(

@@ -29,6 +29,7 @@ from fuzzynav_mj.sensing.velocity_filter import (
     carried_on,
     gone_since,
     nothing_known,
+    squared_sigmas,
     taken_in,
 )
 from fuzzynav_mj.types import BoolArray, FloatArray
@@ -134,9 +135,7 @@ class Track:
     def moves_for_certain(self, sigmas: float) -> bool:
         """True if the velocity lies so many standard deviations from none at all."""
         vx, vy = self.state[:2].tolist()
-        (xx, xy), (_, yy) = self.covariance[:2, :2].tolist()
-        squared = (yy * vx * vx - 2.0 * xy * vx * vy + xx * vy * vy) / (xx * yy - xy * xy)
-        return bool(squared >= sigmas**2)
+        return squared_sigmas(vx, vy, self.covariance) >= sigmas**2
 
     @property
     def partly_hidden(self) -> bool:

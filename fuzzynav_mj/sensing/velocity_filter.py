@@ -68,6 +68,18 @@ def nothing_known() -> tuple[FloatArray, FloatArray]:
     return np.zeros(4), np.diag(sigmas**2)
 
 
+def squared_sigmas(x: float, y: float, covariance: FloatArray) -> float:
+    """Squared standard deviations between two velocities that differ by (x, y), m/s.
+
+    Args:
+        x, y: the difference.
+        covariance: (4, 4) of a state, whose velocity is one of them.
+    """
+    (xx, xy), (_, yy) = covariance[:2, :2].tolist()
+    squared: float = (yy * x * x - 2.0 * xy * x * y + xx * y * y) / (xx * yy - xy * xy)
+    return squared
+
+
 @compiled
 def gone_since(state: FloatArray, elapsed: float) -> tuple[float, float]:
     """How far a mover of this state (4,) has gone in the last `elapsed` seconds, m."""
