@@ -64,8 +64,7 @@ def candidate_motions(wanted: float, twist: Twist2D, spec: RobotSpec) -> Motions
     """Candidates around a wanted direction of travel (rad, robot frame), a turn on the spot to it,
     and the one that stops."""
     aims, table = _aims(spec), _headings(spec)
-    classes = len(table.courses) // 2
-    kind = min(max(round(twist.omega / YAW_RATE_CLASS), -classes), classes) + classes
+    kind = _rate_class(twist.omega, len(table.courses))
     poses, facing, speeds, direction = _drive(
         table.courses[kind],
         table.rate[kind],
@@ -92,10 +91,11 @@ def moves_after(first: FloatArray, spec: RobotSpec) -> Motions:
         Candidates through the HORIZON - k periods that are left.
     """
     aims, table = _aims(spec), _headings(spec)
-    turn, aim = aims.turn[::SECOND_EVERY], aims.speed[::SECOND_EVERY]
+    # Copies, for compiled functions are made anew for every layout.
+    turn, aim = aims.turn[::SECOND_EVERY].copy(), aims.speed[::SECOND_EVERY].copy()
     poses, facing, speeds, direction = _drive_on(
         first, table.courses, table.rate, turn, aim, spec.decision_period, spec.max_acceleration,
-        table.span, table.whole,
+        table.span, table.whole[: HORIZON - first.shape[1]],
     )  # fmt: skip
     count = len(first)
     return Motions(
@@ -228,12 +228,32 @@ def _drive(
     poses, speeds = np.empty((count, len(whole), 3)), np.empty((count, 2))
     facing, direction = np.empty((count, len(whole), 2)), np.empty(count)
     for i in range(count):
-        row = _row(turns[i], aim[i], wanted)
-        direction[i] = _direction(row, aim[i])
-        speeds[i, 0] = _roll_out(
-            poses[i], facing[i], courses[row], aim[i], speed_now, acceleration, span, whole
-        )
+        if turns[i] == NO_TURN:
+            row, direction[i] = NO_TURN, 0.0
+        elif aim[i] < 0.0:
+            row = turns[i] % TURNS
+            direction[i] = row * TURN_STEP + pi
+        else:
+            row = (wanted + turns[i]) % TURNS
+            direction[i] = row * TURN_STEP
         speeds[i, 1] = rates[row]
+        x, y, speed, period = 0.0, 0.0, speed_now, 0
+        for step in range(whole[-1] + 1):
+            drive, c, s, aside_x, aside_y, yaw, ahead, aside = courses[row, step]
+            change = acceleration * span[step]
+            after = min(max(drive * aim[i], speed - change), speed + change)
+            mean = (speed + after) / 2
+            x += (c * mean + aside_x) * span[step]
+            y += (s * mean + aside_y) * span[step]
+            speed = after
+            if step == whole[0]:
+                speeds[i, 0] = speed
+            if step == whole[period]:
+                poses[i, period, 0] = x
+                poses[i, period, 1] = y
+                poses[i, period, 2] = yaw
+                facing[i, period, 0], facing[i, period, 1] = ahead, aside
+                period += 1
     return poses, facing, speeds, direction
 
 
@@ -258,91 +278,34 @@ def _drive_on(
         decision_period: s.
         acceleration, span, whole: as in `_drive`.
     """
-    count, spent, each = len(first), first.shape[1], len(aim)
-    poses, facing = (
-        np.empty((count * each, HORIZON - spent, 3)),
-        np.empty((count * each, HORIZON - spent, 2)),
-    )
+    count, each = len(first), len(aim)
+    poses = np.empty((count * each, len(whole), 3))
+    facing = np.empty((count * each, len(whole), 2))
     speeds, direction = np.empty((count * each, 2)), np.empty(count * each)
-    classes = len(courses) // 2
     for n in range(count):
-        before_x, before_y, before = first[n, spent - 2]
-        x, y, yaw = first[n, spent - 1]
+        before_x, before_y, before = first[n, -2]
+        x, y, yaw = first[n, -1]
         c, s = cos(yaw), sin(yaw)
         speed = (c * (x - before_x) + s * (y - before_y)) / decision_period
-        omega = (yaw - before) / decision_period
-        kind = min(max(round(omega / YAW_RATE_CLASS), -classes), classes) + classes
-        for m in range(each):
-            i, row = n * each + m, _row(turns[m], aim[m], 0)
-            direction[i] = _direction(row, aim[m]) + yaw
-            speeds[i, 1] = rates[kind, row]
-            speeds[i, 0] = _roll_out(
-                poses[i], facing[i], courses[kind, row], aim[m], speed, acceleration, span, whole
-            )
-            for j in range(HORIZON - spent):
-                ahead, aside = poses[i, j, 0], poses[i, j, 1]
-                poses[i, j, 0], poses[i, j, 1] = (
-                    c * ahead - s * aside + x,
-                    s * ahead + c * aside + y,
-                )
-                poses[i, j, 2] += yaw
-                ahead, aside = facing[i, j, 0], facing[i, j, 1]
-                facing[i, j, 0], facing[i, j, 1] = c * ahead - s * aside, s * ahead + c * aside
+        kind = _rate_class((yaw - before) / decision_period, len(courses))
+        own, own_facing, own_speeds, own_direction = _drive(
+            courses[kind], rates[kind], 0, turns, aim, speed, acceleration, span, whole
+        )
+        of = slice(n * each, (n + 1) * each)
+        ahead, aside = own[..., 0], own[..., 1]
+        poses[of, :, 0], poses[of, :, 1] = c * ahead - s * aside + x, s * ahead + c * aside + y
+        poses[of, :, 2] = own[..., 2] + yaw
+        ahead, aside = own_facing[..., 0], own_facing[..., 1]
+        facing[of, :, 0], facing[of, :, 1] = c * ahead - s * aside, s * ahead + c * aside
+        speeds[of], direction[of] = own_speeds, own_direction + yaw
     return poses, facing, speeds, direction
 
 
 @compiled
-def _direction(row: int, aim: float) -> float:
-    """Direction of travel of a row of the heading table at a speed aimed at, rad."""
-    return 0.0 if row == NO_TURN else row * TURN_STEP + (pi if aim < 0.0 else 0.0)
-
-
-@compiled
-def _row(turn: int, aim: float, wanted: int) -> int:
-    """The row of the heading table for a turn and a speed of `_Aims`."""
-    if turn == NO_TURN:
-        return NO_TURN
-    # In reverse the heading hardly changes, whatever direction is wanted.
-    return (turn if aim < 0.0 else wanted + turn) % TURNS
-
-
-@compiled
-def _roll_out(
-    poses: FloatArray,
-    facing: FloatArray,
-    course: FloatArray,
-    aim: float,
-    speed: float,
-    acceleration: float,
-    span: FloatArray,
-    whole: IntArray,
-) -> float:
-    """Fills in the poses (T, 3) and facings (T, 2) of one candidate, for as many periods as they
-    have room for; returns its speed after the first one, m/s.
-
-    Args:
-        poses, facing: robot frame.
-        course: (steps, 8) of `_Headings`.
-        aim: speed aimed at, m/s.
-        speed: now, m/s.
-        acceleration, span, whole: as in `_drive`.
-    """
-    x, y, first, period = 0.0, 0.0, 0.0, 0
-    for step in range(whole[len(poses) - 1] + 1):
-        drive, c, s, aside_x, aside_y, yaw, ahead, aside = course[step]
-        change = acceleration * span[step]
-        after = min(max(drive * aim, speed - change), speed + change)
-        mean = (speed + after) / 2
-        x += (c * mean + aside_x) * span[step]
-        y += (s * mean + aside_y) * span[step]
-        speed = after
-        if step == whole[0]:
-            first = speed
-        if step == whole[period]:
-            poses[period, 0], poses[period, 1], poses[period, 2] = x, y, yaw
-            facing[period, 0], facing[period, 1] = ahead, aside
-            period += 1
-    return first
+def _rate_class(omega: float, classes: int) -> int:
+    """The class of `_Headings` for a yaw rate, rad/s, of an odd number of them."""
+    most = classes // 2
+    return min(max(round(omega / YAW_RATE_CLASS), -most), most) + most
 
 
 @compiled

@@ -197,9 +197,7 @@ class Perceiver:
         for track in lost:
             if hypot(x - track.centre[0], y - track.centre[1]) >= TURNED_OFF:
                 continue
-            turned = track.turned(outline, space, self._beliefs)
-            if turned is not None:
-                track.turn(outline, turned)
+            if track.turn(outline, space, self._beliefs) is not None:
                 lost.remove(track)
                 taken[hits.rays[chosen]] = True
                 return track

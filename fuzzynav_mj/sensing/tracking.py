@@ -13,7 +13,6 @@ import numpy as np
 
 from fuzzynav_mj.sensing.corners import (
     STRAY_REACH,
-    Turned,
     changed_at_once,
     explains_most,
     turned_at_once,
@@ -177,14 +176,10 @@ class Track:
             return nobody
         others = self._unexplained(state, outline, beliefs)
         explained = explains_most(others)
-        doubted = self._changed_at_once(state, outline) or (
-            self.seen >= 2 and space.contradicts(state, outline, self.outlines[-1])
-        )
-        if doubted or not explained:
-            turned = self.turned(outline, space, beliefs)
-            if turned is not None:
-                self.turn(outline, turned)
-                return turned.others
+        if not explained or self._contradicted(state, outline, space):
+            strange = self.turn(outline, space, beliefs)
+            if strange is not None:
+                return strange
         if not explained:
             return np.ones(len(others), dtype=bool)
         own = left_over(outline, others) if others.any() else outline
@@ -201,18 +196,18 @@ class Track:
         self._go_on(own, state, covariance)
         return others
 
-    def turned(self, outline: Outline, space: FreeSpace, beliefs: Beliefs) -> Turned | None:
-        """What is known of it if it has turned at once, to have this outline now; None if it has
-        not. The arguments are those of `take_in`."""
-        return turned_at_once(outline, self.outlines[-1], self.velocity, space, beliefs)
-
-    def turn(self, outline: Outline, turned: Turned) -> None:
-        """Takes in an outline after the mover has turned at once."""
+    def turn(self, outline: Outline, space: FreeSpace, beliefs: Beliefs) -> BoolArray | None:
+        """Takes in an outline if the mover has turned at once, to have it now: what `take_in`
+        returns, whose arguments these are; None if it has not."""
+        turned = turned_at_once(outline, self.outlines[-1], self.velocity, space, beliefs)
+        if turned is None:
+            return None
         self._forget_outlines()
         self.outlines.clear()
         self.straight_since = outline.stamp
         self.state, self.covariance = turned.state, turned.covariance
         self._note(left_over(outline, turned.others) if turned.others.any() else outline)
+        return turned.others
 
     def _go_on(self, outline: Outline, state: FloatArray, covariance: FloatArray) -> None:
         """Takes in an outline and what was learnt from it."""
@@ -254,11 +249,15 @@ class Track:
         slow = unexplained(state, outline, self.outlines[0], beliefs)
         return others if slow.all() else others | slow
 
-    def _changed_at_once(self, state: FloatArray, outline: Outline) -> bool:
-        """True if a state (4,) is not what was expected of a mover whose motion is known."""
-        elapsed = outline.stamp - self.outlines[-1].stamp
-        known = self.seen >= 2
-        return known and changed_at_once(state, self.state, self.covariance, elapsed)
+    def _contradicted(self, state: FloatArray, outline: Outline, space: FreeSpace) -> bool:
+        """True if a state (4,) is not what was expected of a mover whose motion is known, or not
+        what free space allows."""
+        last = self.outlines[-1]
+        elapsed = outline.stamp - last.stamp
+        return self.seen >= 2 and (
+            changed_at_once(state, self.state, self.covariance, elapsed)
+            or space.contradicts(state, outline, last)
+        )
 
     def _forget_outlines(self) -> None:
         """Forgets which outlines are its own."""
