@@ -12,46 +12,26 @@ common motion explains.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import atan2, ceil, cos, exp, floor, inf, pi, sin, sqrt
-from typing import NamedTuple
+from math import inf
 
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
-from fuzzynav_mj.sensing.looks import Look, ray_number
+from fuzzynav_mj.sensing.crossing import lie_across, pieces_across
+from fuzzynav_mj.sensing.looks import Look
 from fuzzynav_mj.sensing.outline import Outline, convex_parts
-from fuzzynav_mj.sensing.velocity_filter import LARGEST_ACCELERATION, gone_since
+from fuzzynav_mj.sensing.velocity_filter import LARGEST_ACCELERATION
+from fuzzynav_mj.sensing.velocity_grid import frame_of, velocities, without
 from fuzzynav_mj.types import BoolArray, FloatArray
 
-LOOKS = 4  # earlier looks whose free space counts
-KNOWN = 0.08  # m/s: a smaller uncertainty of a velocity is left as it is
-SPAN = 2.5  # standard deviations within which velocities are tried ...
-TRIED = 21  # ... so many of them, along each axis
+LOOKS = 4  # earlier looks whose free space counts ...
+OUTLINES = 2  # ... and earlier outlines that are carried onward
 FREE = 0.015  # m: a ray went by if it reached this much farther; ...
 CONTRADICTION = 0.03  # ... this much, to put what is believed in doubt; besides ...
 FREE_NOISE = 3.0  # ... so many standard deviations of the ranges
 TURNING = 0.5  # m/s2: what a mover may have turned by since then, unnoticed
 SURPRISE = 0.3  # share of what newer looks leave open that an older one must leave, to be believed
 RECENT = 2  # looks that may contradict a belief: over more a mover may have turned
-
-
-class _Frame(NamedTuple):
-    """The velocities to try, more or less than the one believed: a grid along the axes of its
-    uncertainty.
-
-    Attributes:
-        x, y: the axis of the largest uncertainty; the other one is (-y, x).
-        most, least: standard deviations along them, m/s.
-        steps: how many are tried along the first ...
-        side_steps: ... and along the other axis; one where little is uncertain.
-    """
-
-    x: float
-    y: float
-    most: float
-    least: float
-    steps: int
-    side_steps: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,22 +68,15 @@ class FreeSpace:
             before: its outlines in earlier looks.
             since: stamp of the first look since which it may have moved like this, s.
         """
-        frame = _frame(covariance)
-        if frame.steps * frame.side_steps == 1:
-            return state, covariance
-        places, tried, likely = _grid(frame)
-        ruled_out = np.zeros(len(tried), dtype=np.bool_)
-        looks = [look for look in reversed(self.past[-LOOKS:]) if look.stamp >= since]
-        earlier = [(outline, look) for look in looks]
-        onward = [(shown, self.now) for shown in reversed(before)]
-        for pairs in (earlier, onward):
-            for number, (shown, look) in enumerate(pairs):
-                margin, older = self._margin(look.stamp - shown.stamp), number > 0
-                if not _rule_out(ruled_out, likely, shown, state, tried, look, margin, older):
-                    break
-        if ruled_out.all() or not ruled_out.any():
-            return state, covariance
-        return _without(state, covariance, frame, places, np.where(ruled_out, 0.0, likely), likely)
+        looks = self.past[: -LOOKS - 1 : -1]
+        shown = before[: -OUTLINES - 1 : -1]
+        # Compiled code takes the same number each time.
+        more_looks = (self.now,) * (LOOKS - len(looks))
+        more_shown = (outline,) * (OUTLINES - len(shown))
+        return _narrow(
+            state, covariance, outline, (*shown, *more_shown), len(shown), self.now,
+            (*looks, *more_looks), len(looks), self.noise, since,
+        )  # fmt: skip
 
     def contradicts(self, state: FloatArray, outline: Outline, last: Outline) -> bool:
         """True if a mover of this state (4,), with an outline of one part, would have been where
@@ -111,11 +84,9 @@ class FreeSpace:
         whichever way it had changed its velocity in a bend, too."""
         if not self.past or convex_parts(outline)[-1] > 0:
             return False
-        change = LARGEST_ACCELERATION * (outline.stamp - last.stamp)
-        tried = change * np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
-        back = _across(outline, state, tried, self.past[-1], self._contradiction, False)
-        onward = _across(last, state, tried, self.now, self._contradiction, False)
-        return bool((back.any(axis=1) | onward.any(axis=1)).all())
+        return _contradicts(
+            state, outline, last, self.past[-1], self.now, _contradiction(self.noise)
+        )
 
     def strangers(
         self, state: FloatArray, outline: Outline, before: Sequence[Outline]
@@ -132,12 +103,10 @@ class FreeSpace:
         across = np.zeros(len(part), dtype=bool)
         if part[-1] == 0:
             return across, False
-        margin, believed = self._contradiction, np.zeros((1, 2))
+        margin = _contradiction(self.noise)
         for look in self.past[-RECENT:]:
-            across |= _across(outline, state, believed, look, margin, True)[0]
-        unseen = any(
-            _across(earlier, state, believed, self.now, margin, False).any() for earlier in before
-        )
+            across |= pieces_across(outline, state, look, margin)
+        unseen = any(pieces_across(shown, state, self.now, margin).any() for shown in before)
         if not unseen and not across.any():
             return across, False
         largest = int(np.bincount(part).argmax())
@@ -146,100 +115,51 @@ class FreeSpace:
             return part != largest, True
         return np.isin(part, contradicting), False
 
-    @property
-    def _contradiction(self) -> float:
-        """By how much farther a ray must have reached to put what is believed in doubt, m."""
-        return CONTRADICTION + FREE_NOISE * self.noise
 
-    def _margin(self, elapsed: float) -> float:
-        """By how much farther a ray must have reached, so long ago, to rule anything out, m."""
-        return FREE + FREE_NOISE * self.noise + TURNING / 2 * elapsed**2
+@compiled
+def _contradiction(noise: float) -> float:
+    """By how much farther a ray must have reached to put what is believed in doubt, m."""
+    return CONTRADICTION + FREE_NOISE * noise
 
 
 @compiled
-def _frame(covariance: FloatArray) -> _Frame:
-    """The frame of a state's covariance (4, 4)."""
-    xx, xy, yy = covariance[0, 0], covariance[0, 1], covariance[1, 1]
-    angle = atan2(2.0 * xy, xx - yy) / 2.0
-    x, y = cos(angle), sin(angle)
-    most = sqrt(max(xx * x * x + 2.0 * xy * x * y + yy * y * y, 0.0))
-    least = sqrt(max(xx * y * y - 2.0 * xy * x * y + yy * x * x, 0.0))
-    steps = TRIED if most > KNOWN else 1
-    return _Frame(x, y, most, least, steps, TRIED if least > KNOWN else 1)
+def _margin(noise: float, elapsed: float) -> float:
+    """By how much farther a ray must have reached, so long ago, to rule anything out, m."""
+    return FREE + FREE_NOISE * noise + TURNING / 2 * elapsed**2
 
 
 @compiled
-def _place(number: int, steps: int) -> float:
-    """Place on an axis, in standard deviations, of one of so many steps."""
-    return SPAN * (2.0 * number / (steps - 1) - 1.0) if steps > 1 else 0.0
-
-
-@compiled
-def _grid(frame: _Frame) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """The velocities of a frame: (h, 2) places on its axes, in standard deviations, (h, 2) m/s more
-    than the one believed, and (h,) how likely each is, next to it."""
-    count = frame.steps * frame.side_steps
-    places, tried, likely = np.empty((count, 2)), np.empty((count, 2)), np.empty(count)
-    for k in range(count):
-        a = _place(k // frame.side_steps, frame.steps)
-        b = _place(k % frame.side_steps, frame.side_steps)
-        along, aside = frame.most * a, frame.least * b
-        places[k, 0], places[k, 1] = a, b
-        tried[k, 0] = along * frame.x - aside * frame.y
-        tried[k, 1] = along * frame.y + aside * frame.x
-        likely[k] = exp(-0.5 * (a * a + b * b))
-    return places, tried, likely
-
-
-@compiled
-def _without(
+def _narrow(
     state: FloatArray,
     covariance: FloatArray,
-    frame: _Frame,
-    places: FloatArray,
-    open_: FloatArray,
-    likely: FloatArray,
+    outline: Outline,
+    shown: tuple[Outline, ...],
+    shown_count: int,
+    now: Look,
+    looks: tuple[Look, ...],
+    look_count: int,
+    noise: float,
+    since: float,
 ) -> tuple[FloatArray, FloatArray]:
-    """State (4,) and covariance (4, 4) if a frame's velocities, at `places` (h, 2), are as
-    likely as `open_` (h,) says, not as `likely` (h,).
-
-    The velocity gets the mean and the covariance of what is open; the acceleration follows as far
-    as it depends on the velocity.
-    """
-    # Sums over all of the grid and over what is left of it: of 1, a, b, aa, ab, bb, where a and b
-    # are the places on the axes, each as often as it is likely.
-    every, left = np.zeros(6), np.zeros(6)
-    for k in range(len(likely)):
-        a, b = places[k]
-        terms = (1.0, a, b, a * a, a * b, b * b)
-        for i in range(6):
-            every[i] += likely[k] * terms[i]
-            left[i] += open_[k] * terms[i]
-    every, left = every / every[0], left / left[0]
-    # What the covariance, the identity on the grid before, becomes. The grid's own is smaller, for
-    # it ends; and between its steps nothing is known.
-    between = (2.0 * SPAN / (TRIED - 1)) ** 2 / 12.0
-    change = np.zeros((2, 2))
-    if frame.steps > 1:
-        change[0, 0] = (left[3] - left[1] ** 2) / every[3] + between - 1.0
-    if frame.side_steps > 1:
-        change[1, 1] = (left[5] - left[2] ** 2) / every[5] + between - 1.0
-    if frame.steps > 1 and frame.side_steps > 1:
-        change[0, 1] = (left[4] - left[1] * left[2]) / sqrt(every[3] * every[5])
-        change[1, 0] = change[0, 1]
-    gain, x, y = np.zeros((4, 2)), frame.x, frame.y
-    for i in range(4):
-        gain[i, 0] = (covariance[i, 0] * x + covariance[i, 1] * y) / frame.most
-        if frame.side_steps > 1:
-            gain[i, 1] = (covariance[i, 1] * x - covariance[i, 0] * y) / frame.least
-    state, covariance = state.copy(), covariance.copy()
-    for i in range(4):
-        state[i] += gain[i, 0] * left[1] + gain[i, 1] * left[2]
-        for j in range(4):
-            for m in range(2):
-                for n in range(2):
-                    covariance[i, j] += gain[i, m] * change[m, n] * gain[j, n]
-    return state, covariance
+    """See `FreeSpace.narrow`; of earlier outlines and looks, the newest first, so many count."""
+    frame = frame_of(covariance)
+    if frame.steps * frame.side_steps == 1:
+        return state, covariance
+    places, tried, likely = velocities(frame)
+    ruled_out = np.zeros(len(tried), dtype=np.bool_)
+    for n in range(look_count):
+        margin = _margin(noise, looks[n].stamp - outline.stamp)
+        if looks[n].stamp < since or not _rule_out(
+            ruled_out, likely, outline, state, tried, looks[n], margin, n > 0
+        ):
+            break
+    for n in range(shown_count):
+        margin = _margin(noise, now.stamp - shown[n].stamp)
+        if not _rule_out(ruled_out, likely, shown[n], state, tried, now, margin, n > 0):
+            break
+    if ruled_out.all() or not ruled_out.any():
+        return state, covariance
+    return without(state, covariance, frame, places, np.where(ruled_out, 0.0, likely), likely)
 
 
 @compiled
@@ -255,66 +175,23 @@ def _rule_out(
 ) -> bool:
     """Marks the velocities (h,) with which an outline, at the time of a look, would lie across rays
     that went by. False, and none marked, where an older look leaves too little to be believed."""
-    candidates = (~ruled_out).nonzero()[0]
-    across = _across(outline, state, tried[candidates], look, margin, False)
-    found, open_, left = ruled_out.copy(), 0.0, 0.0
-    for n in range(len(candidates)):
-        found[candidates[n]] = across[n].any()
+    found, open_, left = lie_across(outline, state, tried, ruled_out, look, margin), 0.0, 0.0
     for h in range(len(tried)):
         open_ += 0.0 if ruled_out[h] else likely[h]
-        left += 0.0 if found[h] else likely[h]
+        left += 0.0 if ruled_out[h] or found[h] else likely[h]
     if older and left < SURPRISE * open_:
         return False
-    ruled_out[:] = found
+    ruled_out |= found
     return True
 
 
 @compiled
-def _across(
-    outline: Outline,
-    state: FloatArray,
-    tried: FloatArray,
-    look: Look,
-    margin: float,
-    every: bool,
-) -> BoolArray:
-    """(h, k) True for hits of an outline that begin a piece which, at the time of a look, would lie
-    across rays that went by unhindered, with each of the velocities (h, 2), more than that of the
-    state; without `every` only the first such piece of each."""
-    points, joined, ranges, count = outline.points, outline.joined, look.ranges, len(look.ranges)
-    found = np.zeros((len(tried), len(joined)), dtype=np.bool_)
-    bearings = np.arange(count) * (2 * pi / count) - pi + look.yaw
-    ahead, aside = np.cos(bearings), np.sin(bearings)
-    elapsed = look.stamp - outline.stamp
-    x, y = _gone(state, elapsed)
-    for h in range(len(tried)):
-        at_x, at_y = x + elapsed * tried[h, 0] - look.x, y + elapsed * tried[h, 1] - look.y
-        ax = ay = last = 0.0
-        for k in range(len(joined)):
-            bx, by = points[0, k] + at_x, points[1, k] + at_y
-            ray = ray_number(atan2(by, bx) - look.yaw, count)
-            if k > 0 and joined[k - 1]:
-                # A piece spans less than half a turn.
-                before = last + count if ray - last > count / 2 else last
-                near = ray if before - ray <= count / 2 else ray + count
-                for i in range(ceil(min(before, near)), floor(max(before, near)) + 1):
-                    met = i % count
-                    across = ahead[met] * (by - ay) - aside[met] * (bx - ax)
-                    if across != 0.0:
-                        reach = (ax * by - ay * bx) / across
-                        if 0.0 < reach < ranges[met] - margin:
-                            found[h, k - 1] = True
-            ax, ay, last = bx, by, ray
-            if not every and k > 0 and found[h, k - 1]:
-                break
-    return found
-
-
-@compiled
-def _gone(state: FloatArray, elapsed: float) -> tuple[float, float]:
-    """How far a mover is from an outline's place, at a time before (elapsed < 0) or after it, m.
-
-    The state is that of the later one of the two.
-    """
-    x, y = gone_since(state, abs(elapsed))
-    return (-x, -y) if elapsed < 0.0 else (x, y)
+def _contradicts(
+    state: FloatArray, outline: Outline, last: Outline, before: Look, now: Look, margin: float
+) -> bool:
+    """See `FreeSpace.contradicts`; `before` is the last look."""
+    change = LARGEST_ACCELERATION * (outline.stamp - last.stamp)
+    tried = change * np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
+    ruled_out = lie_across(outline, state, tried, np.zeros(5, dtype=np.bool_), before, margin)
+    ruled_out |= lie_across(last, state, tried, ruled_out, now, margin)
+    return bool(ruled_out.all())

@@ -10,12 +10,13 @@ from hypothesis import strategies as st
 from made_scans import HERE, PERIOD, RAYS, REACH, scan_of, square
 
 from fuzzynav_mj.robot import DEFAULT_ROBOT
-from fuzzynav_mj.sensing.free_space import CONTRADICTION, KNOWN, FreeSpace
+from fuzzynav_mj.sensing.free_space import CONTRADICTION, FreeSpace
 from fuzzynav_mj.sensing.lidar import ray_bearings
 from fuzzynav_mj.sensing.looks import Look, take_look
 from fuzzynav_mj.sensing.outline import Outline, convex_parts, outline_around
 from fuzzynav_mj.sensing.perception import Perceiver
 from fuzzynav_mj.sensing.velocity_filter import nothing_known
+from fuzzynav_mj.sensing.velocity_grid import KNOWN
 from fuzzynav_mj.types import FloatArray, LaserScan, PerceivedObstacle
 
 
