@@ -74,6 +74,23 @@ def centre_displacement(yaw: float, profile: SpeedProfile, spec: RobotSpec) -> t
 
 
 @compiled
+def ramped_displacement(
+    yaw: float,
+    twist: tuple[float, float],
+    ends: tuple[float, float],
+    slopes: tuple[float, float],
+    period: float,
+    steps: int,
+    axle_offset: float,
+) -> tuple[float, float]:
+    """World-frame displacement of the centre over one period, m, in which forward speed and yaw
+    rate are ramped from `twist` to `ends` with these slopes."""
+    v = ramp(twist[0], ends[0], slopes[0], period, steps)
+    omega = ramp(twist[1], ends[1], slopes[1], period, steps)
+    return _displacement(yaw, v, omega, period / steps, axle_offset)
+
+
+@compiled
 def _displacement(
     yaw: float, v: FloatArray, omega: FloatArray, dt: float, axle_offset: float
 ) -> tuple[float, float]:

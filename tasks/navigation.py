@@ -256,7 +256,7 @@ class NavigateToGoal(composer.Task):
         if self._hit.item() > 0.0:
             self._contact = self._read_contact()
         # Warnings tell of numbers that are too large, not only of those that are not finite.
-        self._diverged = bool(self._warnings.any())
+        self._diverged = any(self._warnings.tolist())
         self._pose = self._scan = None
         return BlockTruth(poses, movers[:taken], rates, slip)
 

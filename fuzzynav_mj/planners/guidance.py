@@ -92,7 +92,7 @@ class Guidance:
         step = (place[0] - last[0], place[1] - last[1])
         self._last = place
         goal = np.array([self._goal[0] - place[0], self._goal[1] - place[1]])
-        distance = float(np.hypot(*goal))
+        distance = hypot(*goal.tolist())
         walls = walls_in_sight(sight)
         sight = corners_closed(sight, walls, self._settings.corner)
         if self._following is not None:
@@ -133,7 +133,7 @@ class Guidance:
             following.begin_anew(place, distance)
         edge = following.edge
         chosen = following.along(place, sight, ways)
-        left_over = float(np.hypot(*(ways.end[chosen] - goal)))
+        left_over = hypot(*(ways.end[chosen] - goal).tolist())
         following.reached = min(following.reached, left_over)
         if among_movers and not same_boundary(place, sight, edge, following.edge):
             self._driven_off = (following.side, place)
@@ -170,7 +170,7 @@ class Guidance:
             ways.open, ways.length, ways.end, goal, self._settings.blind_penalty,
         )  # fmt: skip
         bearing = float(sight.bearings[best])
-        nearer = left_over < float(np.hypot(*goal))
+        nearer = left_over < hypot(*goal.tolist())
         if nearer and not self._turned_back(bearing):
             self._bearing = bearing
             self._promised = min(self._promised, left_over)

@@ -20,6 +20,7 @@ from fuzzynav_mj.planners.motions import Motions, candidate_motions, places_afte
 from fuzzynav_mj.planners.outlook import Outlook, look_ahead
 from fuzzynav_mj.planners.passing import JUDGED, Passing, judged_places, ways_past
 from fuzzynav_mj.planners.priorities import (
+    cheapest,
     closest_approach,
     secondary_costs,
     stand_still,
@@ -77,7 +78,8 @@ class MultilayerPlanner:
         pose, perception = observation.pose, observation.perception
         assert perception is not None
         around = surroundings(perception, pose, self._spec)
-        if perception.anything_moves:
+        movers = perception.anything_moves
+        if movers:
             self._mover_seen = observation.stamp
         among_movers = observation.stamp - self._mover_seen < DRIVEN_OFF
         heading = self._guidance.head((pose.x, pose.y), around.sight, among_movers)
@@ -93,7 +95,7 @@ class MultilayerPlanner:
         scene = scene_around(around, pose, self._spec, self._settings)
         outlook = look_ahead(motions, scene, self._spec, self._settings)
         passing = None
-        if perception.anything_moves:
+        if movers:
             aim = np.array([subgoal[0] - pose.x, subgoal[1] - pose.y])
             passing = ways_past(around.sight, around.expected, aim, self._settings)
         cost, alone = self._costs(motions, outlook, target, pose, dock, passing)
@@ -176,8 +178,9 @@ class MultilayerPlanner:
         Who evades keeps on (m,) `kept` unless another way can be expected to stay clear for longer
         by `EVASION_BONUS`: turning to and fro between ways out takes away the time for any.
         """
-        if outlook.admissible.any():
-            return int(np.where(outlook.admissible, cost, np.inf).argmin())
+        best = cheapest(cost, outlook.admissible)
+        if best >= 0:
+            return best
         if outlook.static_ok.any():
             lasts = lasting(outlook, scene, passing, yaw, self._spec, self._settings)
             return int((lasts + EVASION_BONUS * kept).argmax())
@@ -300,7 +303,7 @@ def _behaviour(
         return Behaviour.TURNING_ON_GOAL
     if motions.speed[chosen] == 0.0:
         return Behaviour.WAITING
-    unhindered = int(np.where(outlook.static_ok, alone, np.inf).argmin())
+    unhindered = max(cheapest(alone, outlook.static_ok), 0)
     deviates = (
         cos(motions.direction[chosen] - motions.direction[unhindered]) < SAME_COURSE
         or motions.speed[chosen] < motions.speed[unhindered] - SAME_SPEED

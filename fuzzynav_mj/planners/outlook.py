@@ -52,24 +52,18 @@ def look_ahead(
     motions: Motions, scene: Scene, spec: RobotSpec, settings: DecisionSettings
 ) -> Outlook:
     """Rolls the candidates on, through all of the scene's periods."""
-    margins = _margins(
+    return _prospects(
+        motions.poses,
+        motions.facing,
         motions.speed,
-        scene.standing,
-        scene.times,
+        motions.brake_steps,
+        scene,
+        spec.max_yaw_acceleration * spec.decision_period**2,
         spec.half_side,
         settings.static_margin,
         settings.static_margin_growth,
         settings.static_recovery,
         settings.creeping_speed,
-    )
-    return _prospects(
-        motions.poses,
-        motions.facing,
-        margins,
-        motions.brake_steps,
-        scene,
-        spec.max_yaw_acceleration * spec.decision_period**2,
-        spec.half_side,
     )
 
 
@@ -111,24 +105,32 @@ def _margins(
 def _prospects(
     poses: FloatArray,
     facing: FloatArray,
-    margins: FloatArray,
+    aim: FloatArray,
     brake_steps: IntArray,
     scene: Scene,
     slowing: float,
     half_side: float,
+    margin: float,
+    growth: float,
+    recovery: float,
+    creeping: float,
 ) -> Outlook:
     """What becomes of candidates that stop before what stands or is unseen.
 
     Args:
         poses: (m, T, 3) robot frame.
         facing: (m, T, 2) cosines and sines of their yaw.
-        margins: (m, T) that must be kept to what stands.
+        aim: (m,) speeds aimed at, m/s.
         brake_steps: (m,) periods it takes to stop driving.
         scene: what they are held against.
         slowing: by which a turn per period can slow down in a period, rad.
         half_side: of the footprint, m.
+        margin, growth, recovery, creeping: as in `_margins`.
     """
     count, periods = poses.shape[:2]
+    margins = _margins(
+        aim, scene.standing, scene.times, half_side, margin, growth, recovery, creeping
+    )
     found = Outlook(
         poses.copy(),
         np.full(count, FAR),
@@ -171,7 +173,8 @@ def _stop_in_time(
         found: the prospects, `poses` still without a stop.
         gaps: (T,) to what stands, m.
         surely_seen: squared distance up to which all is seen, m2.
-        margins, scene, slowing: as in `_prospects`.
+        margins: (m, T) that must be kept to what stands.
+        scene, slowing: as in `_prospects`.
         brake_steps: the candidate's.
     """
     stop = len(gaps) - 1

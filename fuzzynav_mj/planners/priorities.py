@@ -9,6 +9,16 @@ from fuzzynav_mj.types import BoolArray, FloatArray
 
 
 @compiled
+def cheapest(costs: FloatArray, allowed: BoolArray) -> int:
+    """The number of the smallest of costs (m,) among those that are allowed (m,); -1 for none."""
+    best = -1
+    for i in range(len(costs)):
+        if allowed[i] and (best < 0 or costs[i] < costs[best]):
+            best = i
+    return best
+
+
+@compiled
 def closest_approach(poses: FloatArray, steps: int, target: tuple[float, float]) -> FloatArray:
     """(m,) how near to the target each candidate comes in the first steps, m.
 

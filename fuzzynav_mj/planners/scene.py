@@ -1,5 +1,7 @@
 """What roll-outs are held against: the surroundings in the robot's frame, with the margins."""
 
+from dataclasses import dataclass
+from functools import lru_cache
 from math import cos, sin
 from typing import NamedTuple
 
@@ -60,8 +62,7 @@ def scene_around(
     around: Surroundings, pose: Pose2D, spec: RobotSpec, settings: DecisionSettings
 ) -> Scene:
     """The scene of the robot at `pose`."""
-    times = period_ends(spec)
-    wanted = settings.moving_margin + settings.moving_margin_growth * times
+    growing = _growing(spec, settings)
     share = min(max(around.doubt / settings.doubtful, settings.unlikely_share), 1.0)
     standing, expected, possible = _turned(
         around.sight.points, around.expected, around.possible, cos(pose.yaw), sin(pose.yaw)
@@ -70,15 +71,36 @@ def scene_around(
         standing=standing,
         ranges=around.sight.ranges,
         turn=pose.yaw - float(around.sight.bearings[0]),
-        times=times,
+        times=growing.times,
         expected=expected,
         possible=possible,
         outlines=around.outlines,
         shares=around.shares,
-        wanted=wanted,
-        unlikely=share * wanted,
-        berth=settings.moving_gap
-        + settings.moving_gap_growth * np.minimum(times, settings.moving_gap_time),
+        wanted=growing.wanted,
+        unlikely=share * growing.wanted,
+        berth=growing.berth,
+        risky=growing.risky,
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Growing:
+    """What of a scene depends on its times only: the fields of `Scene` of these names."""
+
+    times: FloatArray
+    wanted: FloatArray
+    berth: FloatArray
+    risky: FloatArray
+
+
+@lru_cache(maxsize=8)
+def _growing(spec: RobotSpec, settings: DecisionSettings) -> _Growing:
+    times = period_ends(spec)
+    berth_times = np.minimum(times, settings.moving_gap_time)
+    return _Growing(
+        times=times,
+        wanted=settings.moving_margin + settings.moving_margin_growth * times,
+        berth=settings.moving_gap + settings.moving_gap_growth * berth_times,
         risky=settings.risky_gap + settings.risky_gap_growth * times,
     )
 

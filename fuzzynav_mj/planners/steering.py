@@ -2,7 +2,7 @@
 
 from math import cos, pi
 
-from fuzzynav_mj.control import SpeedProfile, centre_displacement, ramp
+from fuzzynav_mj.control import ramped_displacement
 from fuzzynav_mj.geometry import wrap_angle
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.types import Pose2D, Twist2D
@@ -29,14 +29,15 @@ def position_after(
     Returns:
         (x, y), world frame, m.
     """
-    period, steps = spec.decision_period, spec.substeps
-    profile = SpeedProfile(
-        ramp(twist.v, _clip(v, spec.max_speed), spec.max_acceleration, period, steps),
-        ramp(
-            twist.omega, _clip(omega, spec.max_yaw_rate), spec.max_yaw_acceleration, period, steps
-        ),
+    dx, dy = ramped_displacement(
+        float(pose.yaw),
+        (float(twist.v), float(twist.omega)),
+        (float(_clip(v, spec.max_speed)), float(_clip(omega, spec.max_yaw_rate))),
+        (spec.max_acceleration, spec.max_yaw_acceleration),
+        spec.decision_period,
+        spec.substeps,
+        spec.axle_offset,
     )
-    dx, dy = centre_displacement(pose.yaw, profile, spec)
     return (pose.x + dx, pose.y + dy)
 
 

@@ -41,26 +41,49 @@ class PointFlow(NamedTuple):
     sigma: FloatArray
 
 
-def point_flow(
+def seen_to_move(
     hits: Hits,
     now: Look,
     earlier: Sequence[Look],
     top_speed: float,
     margin: float,
     max_range: float,
-) -> PointFlow:
-    """Flow of current hits against the oldest and the newest remembered look, in this order.
+    still: float,
+    certainty: float,
+) -> IntArray:
+    """(m,) MOVING, STATIC or UNKNOWN for each hit, against the oldest and the newest remembered
+    look.
 
     Args:
         hits: m of them.
         now: the look they belong to.
-        earlier: remembered looks, the newest last; their number, no more than two, is f.
+        earlier: remembered looks, the newest last.
         top_speed: the fastest motion believed, m/s: a hit farther off belongs to another surface.
         margin: how far inside free space a hit must lie to count as intruding, m.
         max_range: the sensor's range, m.
+        still: a surface that moved less than this stands still, m.
+        certainty: standard deviations of noise beyond `still` that show motion.
     """
     looks = (earlier[0], earlier[-1]) if earlier else (now, now)
-    return _flow(hits, now, looks, min(len(earlier), 2), top_speed, margin, max_range)
+    count = min(len(earlier), 2)
+    return _seen_to_move(hits, now, looks, count, top_speed, margin, max_range, still, certainty)
+
+
+@compiled
+def _seen_to_move(
+    hits: Hits,
+    now: Look,
+    earlier: tuple[Look, Look],
+    count: int,
+    top_speed: float,
+    margin: float,
+    max_range: float,
+    still: float,
+    certainty: float,
+) -> IntArray:
+    """`seen_to_move` against the first `count` of two earlier looks."""
+    flow = _flow(hits, now, earlier, count, top_speed, margin, max_range)
+    return _flags(flow, still, certainty)
 
 
 @compiled
@@ -73,7 +96,7 @@ def _flow(
     margin: float,
     max_range: float,
 ) -> PointFlow:
-    """Flow against the first `count` of two earlier looks; see `point_flow`."""
+    """Flow against the first `count` of two earlier looks; see `seen_to_move`."""
     shape = count, len(hits.rays)
     flow = PointFlow(
         known=np.empty(shape, dtype=np.bool_),
@@ -100,7 +123,7 @@ def _compare(
     flow: PointFlow,
     row: int,
 ) -> None:
-    """Fills in the row of `flow` for one earlier look; see `point_flow`."""
+    """Fills in the row of `flow` for one earlier look; see `seen_to_move`."""
     count, c, s = len(before.ranges), cos(before.yaw), sin(before.yaw)
     reach = top_speed * flow.elapsed[row] + REACH_MARGIN
     for i in range(len(hits.rays)):
@@ -162,7 +185,7 @@ def _depth_behind(x: float, y: float, look: Look) -> float:
 
 
 @compiled
-def motion_flags(flow: PointFlow, still: float, certainty: float) -> IntArray:
+def _flags(flow: PointFlow, still: float, certainty: float) -> IntArray:
     """(m,) MOVING, STATIC or UNKNOWN for each hit, as far as it can be told.
 
     It moves if any comparison shows that: what turned back is where it was before.

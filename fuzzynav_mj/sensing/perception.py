@@ -15,7 +15,7 @@ from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.sensing.claims import claimed
 from fuzzynav_mj.sensing.cleaning import clean_scan
 from fuzzynav_mj.sensing.expected import expected_outlines
-from fuzzynav_mj.sensing.flow import motion_flags, point_flow
+from fuzzynav_mj.sensing.flow import seen_to_move
 from fuzzynav_mj.sensing.free_space import LOOKS, FreeSpace
 from fuzzynav_mj.sensing.hidden import hidden_part
 from fuzzynav_mj.sensing.looks import Look, take_clean_look, take_look
@@ -127,15 +127,17 @@ class Perceiver:
         visibility = visibility_matrix(now, previous, scan.bearings, self._spec.rings)
         hits = gather_hits(now)
         settings, reach = self._settings, self._spec.sensor_range
-        flow = point_flow(hits, now, earlier, settings.top_speed, settings.margin, reach)
-        flags = motion_flags(flow, settings.still, settings.certainty)
+        flags = seen_to_move(
+            hits, now, earlier, settings.top_speed, settings.margin, reach,
+            settings.still, settings.certainty,
+        )  # fmt: skip
         if self._unreliable:
             flags = drop_single(hits.first, flags)
         if previous is not None:
             for track in self._tracks:
                 track.predict(now.stamp - previous.stamp)
         expected = expected_outlines(self._tracks, 2.0 * self._noise)
-        elapsed = float(flow.elapsed[0]) if earlier else 0.0
+        elapsed = now.stamp - earlier[0].stamp if earlier else 0.0
         still = settings.still + settings.certainty * sqrt(2.0) * self._noise
         claims = claimed(hits, flags, expected, elapsed, still)
         owners = divide(hits, flags, claims, expected.centre, now, settings.mover_extent)
