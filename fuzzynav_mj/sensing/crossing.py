@@ -1,6 +1,6 @@
 """Whether a mover's outline, at another time, would lie across rays that went by unhindered."""
 
-from math import ceil, floor, pi
+from math import ceil, floor, pi, sqrt
 
 import numpy as np
 
@@ -66,10 +66,16 @@ def _cross(
     gone_x, gone_y = gone_since(state, abs(elapsed))
     sign = -1.0 if elapsed < 0.0 else 1.0
     x, y = sign * gone_x - look.x, sign * gone_y - look.y
+    # Where all of the outline was out of reach, no ray can tell.
+    middle_x, middle_y = points[0].mean(), points[1].mean()
+    squared = (points[0] - middle_x) ** 2 + (points[1] - middle_y) ** 2
+    reach = ranges.max() + sqrt(squared.max())
     for h in range(len(tried)):
         if left_out[h]:
             continue
         at_x, at_y = x + elapsed * tried[h, 0], y + elapsed * tried[h, 1]
+        if (middle_x + at_x) ** 2 + (middle_y + at_y) ** 2 > reach**2:
+            continue
         ax = ay = before = 0.0
         for k in range(len(joined)):
             bx, by = points[0, k] + at_x, points[1, k] + at_y

@@ -54,17 +54,21 @@ def _place(number: int, steps: int) -> float:
 def velocities(frame: Frame) -> tuple[FloatArray, FloatArray, FloatArray]:
     """The velocities of a frame: (h, 2) places on its axes, in standard deviations, (h, 2) m/s more
     than the one believed, and (h,) how likely each is, next to it."""
-    count = frame.steps * frame.side_steps
-    places, tried, likely = np.empty((count, 2)), np.empty((count, 2)), np.empty(count)
-    for k in range(count):
+    most = frame.steps * frame.side_steps
+    places, tried, likely = np.empty((most, 2)), np.empty((most, 2)), np.empty(most)
+    count = 0
+    for k in range(most):
         a = _place(k // frame.side_steps, frame.steps)
         b = _place(k % frame.side_steps, frame.side_steps)
+        if a * a + b * b > SPAN**2 + 1e-9:
+            continue
         along, aside = frame.most * a, frame.least * b
-        places[k, 0], places[k, 1] = a, b
-        tried[k, 0] = along * frame.x - aside * frame.y
-        tried[k, 1] = along * frame.y + aside * frame.x
-        likely[k] = exp(-0.5 * (a * a + b * b))
-    return places, tried, likely
+        places[count, 0], places[count, 1] = a, b
+        tried[count, 0] = along * frame.x - aside * frame.y
+        tried[count, 1] = along * frame.y + aside * frame.x
+        likely[count] = exp(-0.5 * (a * a + b * b))
+        count += 1
+    return places[:count], tried[:count], likely[:count]
 
 
 @compiled
