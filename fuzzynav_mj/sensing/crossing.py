@@ -79,7 +79,7 @@ def _cross(
         ax = ay = before = 0.0
         for k in range(len(joined)):
             bx, by = points[0, k] + at_x, points[1, k] + at_y
-            after = ray_number(_bearing(bx, by) - look.yaw, count)
+            after = ray_number(bearing_of(bx, by) - look.yaw, count)
             across = False
             if k > 0 and joined[k - 1]:
                 # A piece spans less than half a turn.
@@ -101,8 +101,8 @@ def _cross(
 
 
 @compiled
-def _bearing(x: float, y: float) -> float:
-    """Bearing of a place, rad, to 1e-5: Abramowitz and Stegun, 4.4.49. Most of the time goes here,
+def bearing_of(x: float, y: float) -> float:
+    """Bearing of a place, rad, to 1.2e-5: Abramowitz and Stegun, 4.4.49. Most of the time goes here,
     and this takes a third of what the exact one does."""
     ahead, aside = abs(x), abs(y)
     share = min(ahead, aside) / max(ahead, aside, 1e-12)

@@ -3,8 +3,11 @@
 from math import pi
 
 import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
 
 from fuzzynav_mj.planners.priorities import (
+    cheapest,
     closest_approach,
     secondary_costs,
     stand_still,
@@ -45,3 +48,14 @@ def test_costs_of_room_reverse_and_turning_add_up() -> None:
     direction = np.array([0.0, 0.0, 0.0, 3.0])
     costs = secondary_costs(gaps, speed, direction, pi, pi, 0.10, 1.5, 0.1, 0.02)
     np.testing.assert_allclose(costs, [0.0, 0.06, 0.1, 0.06], atol=1e-15)
+
+
+@given(st.lists(st.tuples(st.integers(-5, 5), st.booleans()), min_size=1, max_size=9))
+def test_cheapest_is_the_first_of_the_smallest_allowed(rows: list[tuple[int, bool]]) -> None:
+    costs = np.array([float(cost) for cost, _ in rows])
+    allowed = np.array([allow for _, allow in rows])
+    found = cheapest(costs, allowed)
+    if not allowed.any():
+        assert found == -1
+    else:
+        assert found == int(np.where(allowed, costs, np.inf).argmin())

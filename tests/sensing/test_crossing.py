@@ -1,0 +1,69 @@
+"""Outlines across rays that went by, in cases worked out by hand."""
+
+from math import atan2, cos, pi, sin
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from made_scans import HERE, scan_of, square
+
+from fuzzynav_mj.sensing.crossing import bearing_of, lie_across, pieces_across
+from fuzzynav_mj.sensing.looks import Look, take_look
+from fuzzynav_mj.sensing.outline import Outline
+
+EMPTY = take_look(scan_of([], 0.0), HERE)  # rays reach 0.8 m everywhere
+STANDS = np.zeros(4)
+
+
+def wall(x: float, stamp: float = 0.0) -> Outline:
+    """Three hits on a line across the x axis, 0.1 m apart."""
+    points = np.array([[x, x, x], [-0.1, 0.0, 0.1]])
+    joined = np.array([True, True, False])
+    normals = np.array([[-1.0, -1.0, -1.0], [0.0, 0.0, 0.0]])
+    return Outline(stamp, points, joined, normals, np.zeros((2, 3), dtype=bool))
+
+
+def across(outline: Outline, look: Look, *more: tuple[float, float]) -> list[bool]:
+    """Whether each of the velocities puts the outline across rays of the look, by 1 cm or more."""
+    tried = np.array(more)
+    left_out = np.zeros(len(tried), dtype=bool)
+    return lie_across(outline, STANDS, tried, left_out, look, 0.01).tolist()
+
+
+@given(angle=st.floats(-pi, pi), distance=st.floats(1e-3, 10.0))
+def test_bearing_is_exact_to_a_hundred_thousandth(angle: float, distance: float) -> None:
+    x, y = distance * cos(angle), distance * sin(angle)
+    off = bearing_of(x, y) - atan2(y, x)
+    assert abs((off + pi) % (2 * pi) - pi) <= 1.2e-5
+
+
+@pytest.mark.parametrize(("x", "expected"), [(0.5, True), (0.785, True), (0.795, False)])
+def test_outline_lies_across_rays_that_reached_farther_by_the_margin(
+    x: float, expected: bool
+) -> None:
+    assert across(wall(x), EMPTY, (0.0, 0.0)) == [expected]
+
+
+def test_where_it_was_counts_at_the_time_of_the_look() -> None:
+    # A tenth of a second before, at 1 m/s, it was out of sight; at 0.1 m/s it was not.
+    assert across(wall(0.75, stamp=0.1), EMPTY, (-1.0, 0.0), (-0.1, 0.0)) == [False, True]
+
+
+def test_what_stands_there_is_no_contradiction() -> None:
+    seen = take_look(scan_of([square(0.5, 0.0)], 0.0), HERE)
+    nearest = 0.5 - 0.1
+    assert across(wall(nearest), seen, (0.0, 0.0)) == [False]
+
+
+def test_left_out_velocities_are_not_marked() -> None:
+    tried, left_out = np.zeros((2, 2)), np.array([True, False])
+    found = lie_across(wall(0.5), STANDS, tried, left_out, EMPTY, 0.01)
+    assert found.tolist() == [False, True]
+
+
+def test_only_pieces_between_joined_hits_lie_across() -> None:
+    shown = wall(0.5)
+    assert pieces_across(shown, STANDS, EMPTY, 0.01).tolist() == [True, True, False]
+    apart = shown._replace(joined=np.array([True, False, False]))
+    assert pieces_across(apart, STANDS, EMPTY, 0.01).tolist() == [True, False, False]
