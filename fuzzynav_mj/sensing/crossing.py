@@ -102,8 +102,8 @@ def _cross(
 
 @compiled
 def bearing_of(x: float, y: float) -> float:
-    """Bearing of a place, rad, to 1.2e-5: Abramowitz and Stegun, 4.4.49. Most of the time goes here,
-    and this takes a third of what the exact one does."""
+    """Bearing of a place, rad, to 1.2e-5: Abramowitz and Stegun, 4.4.49. Most of the time goes
+    here, and this takes a third of what the exact one does."""
     ahead, aside = abs(x), abs(y)
     share = min(ahead, aside) / max(ahead, aside, 1e-12)
     square = share * share
