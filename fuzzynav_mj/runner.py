@@ -60,7 +60,7 @@ def judge_world(scenario: Scenario, seed: int) -> Possibility:
     Raises:
         ScenarioError: the moving obstacles of this seed find no room.
     """
-    from fuzzynav_mj.tasks.navigation import episode_streams
+    from fuzzynav_mj.tasks.streams import episode_streams
 
     return assess(make_world(scenario, episode_streams(seed).scenario), DEFAULT_ROBOT)
 

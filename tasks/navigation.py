@@ -1,7 +1,6 @@
 """The navigation task: next position in, wheel speeds, moving obstacles, contact checks."""
 
 from collections import OrderedDict
-from dataclasses import dataclass
 from math import atan2, cos, hypot, isfinite, pi, sin
 
 import mujoco
@@ -19,8 +18,11 @@ from fuzzynav_mj.scenarios.schema import Scenario
 from fuzzynav_mj.scenarios.world import World, make_world
 from fuzzynav_mj.sensing.lidar import Lidar
 from fuzzynav_mj.tasks.arena import NavigationArena
+from fuzzynav_mj.tasks.handles import Handles, find_handles, set_friction
+from fuzzynav_mj.tasks.mover_places import MoverPlaces
 from fuzzynav_mj.tasks.robot import DiffDrive
 from fuzzynav_mj.tasks.stepping import native, take_steps
+from fuzzynav_mj.tasks.streams import episode_streams
 from fuzzynav_mj.types import (
     Contact,
     FloatArray,
@@ -33,25 +35,6 @@ from fuzzynav_mj.types import (
 
 AT_FAULT_SPEED = 0.02  # m/s: slower than this the robot stood still when it was touched
 GOAL_YAW_TOLERANCE = 0.1  # rad
-_DIVERGENCE = slice(  # of position, speed and acceleration
-    int(mujoco.mjtWarning.mjWARN_BADQPOS), int(mujoco.mjtWarning.mjWARN_BADQACC) + 1
-)
-_TABLE_STEPS = 2000  # physics steps for which mover positions are computed at a time
-
-
-@dataclass(frozen=True, slots=True)
-class Streams:
-    """Independent random streams of one episode, all from one seed."""
-
-    scenario: np.random.Generator
-    sensor: np.random.Generator
-    planner: np.random.Generator
-
-
-def episode_streams(seed: int) -> Streams:
-    """The streams of the episode with this seed."""
-    children = np.random.SeedSequence(seed).spawn(3)
-    return Streams(*(np.random.default_rng(child) for child in children))
 
 
 class NavigateToGoal(composer.Task):
@@ -152,38 +135,12 @@ class NavigateToGoal(composer.Task):
             self.spec.ray_count,
             self.spec.sensor_range,
         )
-        joint = model.joint(mjcf.get_attachment_frame(self._robot.mjcf_model).full_identifier)
-        start, speed = int(joint.qposadr[0]), int(joint.dofadr[0])
-        self._place = data.qpos[start : start + 7]
-        self._place_slice = slice(start, start + 7)
-        self._speed_slice = slice(speed, speed + 6)
-        wheels = [
-            model.joint(self._robot.mjcf_model.find("joint", f"wheel_{side}").full_identifier)
-            for side in ("left", "right")
-        ]
-        self._wheel_dofs = np.array([int(wheel.dofadr[0]) for wheel in wheels])
+        movers = self._arena.mover_bodies
+        self._handles: Handles = find_handles(model, data, self._robot, movers)
         if self._friction is not None:
-            # MuJoCo takes the larger of the two geoms' coefficients.
-            touching = [
-                self._robot.mjcf_model.find("geom", f"wheel_{s}") for s in ("left", "right")
-            ]
-            touching.append(self._arena.mjcf_model.find("geom", "floor"))
-            for geom in touching:
-                model.geom_friction[model.geom(geom.full_identifier).id, 0] = self._friction
+            floor = self._arena.mjcf_model.find("geom", "floor")
+            set_friction(model, self._robot, floor, self._friction)
         self._natives = native("mj_step2"), native("mj_step1"), model._address, data._address
-        self._ctrl, self._speed = data.ctrl, data.qvel
-        self._warnings = data.warning.number[_DIVERGENCE]
-        actuators = [model.actuator(a.full_identifier).id for a in self._robot.actuators]
-        self._wheel_order = np.argsort(actuators)  # the wheel behind each actuator
-        hit = model.sensor(self._robot.mjcf_model.find("sensor", "hit").full_identifier)
-        self._hit = data.sensordata[int(hit.adr[0]) : int(hit.adr[0]) + 1]
-        self._hull = model.geom(self._robot.mjcf_model.find("geom", "hull").full_identifier).id
-        mocap_ids = [
-            int(model.body_mocapid[model.body(body.full_identifier).id])
-            for body in self._arena.mover_bodies
-        ]
-        self._mocap_order = np.argsort(mocap_ids)  # the mover behind each mocap body
-        self._mocap_places = data.mocap_pos
         self._scan: LaserScan | None = None
         self._pose: Pose2D | None = None
 
@@ -197,14 +154,14 @@ class NavigateToGoal(composer.Task):
             self._draw(self.seed)
         self._contact: Contact | None = None
         self._diverged = False
-        self._table_start, self._table = 0, np.empty((0, len(self.world.movers), 2))
+        self._movers = MoverPlaces(self.world.movers, self.spec.physics_period)
         self._step = 0
         self._commanded = Twist2D(0.0, 0.0)
-        start = self.scenario.start
-        physics.data.ptr.qpos[self._place_slice] = (
+        start, handles = self.scenario.start, self._handles
+        physics.data.ptr.qpos[handles.place_at] = (
             start.x, start.y, 0.0, cos(start.yaw / 2), 0.0, 0.0, sin(start.yaw / 2)
         )  # fmt: skip
-        self._mocap_places[:, :2] = self._mover_rows(0, 1)[0].take(self._mocap_order, axis=0)
+        handles.mocap[:, :2] = self._movers.rows(0, 1)[0].take(handles.mover_of, axis=0)
         self._pose = self._scan = None
 
     # One decision period -------------------------------------------------------------------
@@ -232,53 +189,41 @@ class NavigateToGoal(composer.Task):
 
         Obstacles move and contact is checked on every step, as `take_steps` says.
         """
-        spec = self.spec
-        movers = self._mover_rows(self._step + 1, spec.substeps)
+        spec, handles = self.spec, self._handles
+        movers = self._movers.rows(self._step + 1, spec.substeps)
         poses, rates, slip = take_steps(
             *self._natives,
-            self._ctrl,
+            handles.ctrl,
             wheel_table(self.profile, spec),
-            self._wheel_order,
-            self._mocap_places,
+            handles.wheel_of,
+            handles.mocap,
             movers,
-            self._mocap_order,
-            self._hit,
-            self._place,
-            self._speed,
-            self._speed_slice.start,
-            self._wheel_dofs,
+            handles.mover_of,
+            handles.hit,
+            handles.place,
+            handles.speed,
+            handles.twist_at.start,
+            handles.wheel_dofs,
             spec.track,
             spec.wheel_radius,
             spec.axle_offset,
         )
         taken = len(poses)
         self._step += taken
-        if self._hit.item() > 0.0:
+        if handles.hit.item() > 0.0:
             self._contact = self._read_contact()
         # Warnings tell of numbers that are too large, not only of those that are not finite.
-        self._diverged = any(self._warnings.tolist())
+        self._diverged = any(handles.warnings.tolist())
         self._pose = self._scan = None
         return BlockTruth(poses, movers[:taken], rates, slip)
 
-    def _mover_rows(self, first: int, count: int) -> FloatArray:
-        """(count, movers, 2) mover positions at physics steps first, first + 1, ..."""
-        offset = first - self._table_start
-        if offset + count > len(self._table):
-            steps = first + np.arange(_TABLE_STEPS + count, dtype=np.float64)
-            times = steps * self.spec.physics_period
-            self._table = np.empty((len(times), len(self.world.movers), 2))
-            for number, mover in enumerate(self.world.movers):
-                self._table[:, number] = mover.motion.positions(times)
-            self._table_start, offset = first, 0
-        return self._table[offset : offset + count]
-
     def _read_contact(self) -> Contact:
-        data = self._data
-        velocity = self._speed[self._speed_slice]
+        data, hull = self._data, self._handles.hull
+        velocity = self._handles.speed[self._handles.twist_at]
         speed = hypot(float(velocity[0]), float(velocity[1]))
         for first, second in data.contact.geom.tolist():
-            if self._hull in (first, second):
-                other = second if first == self._hull else first
+            if hull in (first, second):
+                other = second if first == hull else first
                 name = self._model.geom(other).name.rsplit("/", 1)[-1]
                 kind, number, *_ = name.split("_")
                 label = "wall" if kind == "wall" else f"{kind}:{number}"
@@ -296,7 +241,7 @@ class NavigateToGoal(composer.Task):
     def pose(self) -> Pose2D:
         """Present pose of the footprint's centre."""
         if self._pose is None:
-            x, y, _, w, _, _, z = self._place.tolist()
+            x, y, _, w, _, _, z = self._handles.place.tolist()
             yaw = 2.0 * atan2(z, w)
             self._pose = Pose2D(x, y, (yaw + pi) % (2 * pi) - pi)
         return self._pose
@@ -304,7 +249,7 @@ class NavigateToGoal(composer.Task):
     @property
     def twist(self) -> Twist2D:
         """Present forward speed and yaw rate."""
-        velocity = self._speed[self._speed_slice].tolist()
+        velocity = self._handles.speed[self._handles.twist_at].tolist()
         yaw = self.pose.yaw
         return Twist2D(velocity[0] * cos(yaw) + velocity[1] * sin(yaw), velocity[5])
 
@@ -318,7 +263,7 @@ class NavigateToGoal(composer.Task):
     @property
     def mover_positions(self) -> FloatArray:
         """(movers, 2) present origins of the moving obstacles."""
-        positions: FloatArray = self._mover_rows(self._step, 1)[0].copy()
+        positions: FloatArray = self._movers.rows(self._step, 1)[0].copy()
         return positions
 
     @property

@@ -22,8 +22,8 @@ from fuzzynav_mj.results import LOG, SUMMARY, TABLE, EpisodeKey
 from fuzzynav_mj.runner import play_episode
 from fuzzynav_mj.scenarios import load_scenario
 from fuzzynav_mj.sensing.disturbed import Sensors
-from fuzzynav_mj.tasks.navigation import episode_streams
 from fuzzynav_mj.tasks.simulation import EpisodeSimulation
+from fuzzynav_mj.tasks.streams import episode_streams
 from fuzzynav_mj.types import EpisodeRecord
 
 Writer = Callable[..., str]

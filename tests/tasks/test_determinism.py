@@ -7,8 +7,9 @@ from fuzzynav_mj.scenarios import load_scenario
 from fuzzynav_mj.scenarios.schema import Scenario
 from fuzzynav_mj.tasks import load
 from fuzzynav_mj.tasks.environment import NavigationEnvironment
-from fuzzynav_mj.tasks.navigation import NavigateToGoal, episode_streams
+from fuzzynav_mj.tasks.navigation import NavigateToGoal
 from fuzzynav_mj.tasks.simulation import EpisodeSimulation
+from fuzzynav_mj.tasks.streams import episode_streams
 from fuzzynav_mj.types import FloatArray
 
 STEPS = 40
