@@ -82,21 +82,6 @@ def _seen_to_move(
     certainty: float,
 ) -> IntArray:
     """`seen_to_move` against the first `count` of two earlier looks."""
-    flow = _flow(hits, now, earlier, count, top_speed, margin, max_range)
-    return _flags(flow, still, certainty)
-
-
-@compiled
-def _flow(
-    hits: Hits,
-    now: Look,
-    earlier: tuple[Look, Look],
-    count: int,
-    top_speed: float,
-    margin: float,
-    max_range: float,
-) -> PointFlow:
-    """Flow against the first `count` of two earlier looks; see `seen_to_move`."""
     shape = count, len(hits.rays)
     flow = PointFlow(
         known=np.empty(shape, dtype=np.bool_),
@@ -109,7 +94,7 @@ def _flow(
     for row in range(count):
         flow.elapsed[row] = now.stamp - earlier[row].stamp
         _compare(hits, now, earlier[row], top_speed, margin, max_range, flow, row)
-    return flow
+    return _flags(flow, still, certainty)
 
 
 @compiled
