@@ -8,20 +8,21 @@ from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.sensing.looks import Look, ray_number
 from fuzzynav_mj.sensing.outline import Outline
 from fuzzynav_mj.sensing.velocity_filter import gone_since
-from fuzzynav_mj.types import BoolArray, FloatArray
+from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
 
 @compiled
-def lie_across(
+def first_across(
     outline: Outline,
     state: FloatArray,
     tried: FloatArray,
     left_out: BoolArray,
     look: Look,
     margin: float,
-) -> BoolArray:
-    """(h,) True for velocities with which an outline, at the time of a look, would lie across rays
-    that went by it.
+    begin: int = 0,
+) -> IntArray:
+    """(h,) for each velocity the hit that begins the first piece of an outline which, at the time
+    of a look, would lie across rays that went by; -1 for none.
 
     Args:
         outline: at its own time.
@@ -30,38 +31,10 @@ def lie_across(
         left_out: (h,) True for those that are not tried.
         look: what the rays saw.
         margin: by how much farther a ray must have reached, m.
+        begin: the hit from which on pieces count.
     """
-    found, pieces = np.zeros(len(tried), dtype=np.bool_), np.empty(1, dtype=np.bool_)
-    # One loop over all: a call for each would cost more than what it does.
-    _cross(outline, state, tried, left_out, look, margin, found, pieces, False)
-    return found
-
-
-@compiled
-def pieces_across(outline: Outline, state: FloatArray, look: Look, margin: float) -> BoolArray:
-    """(k,) True for the hits of an outline that begin a piece which would lie across rays that went
-    by it; the arguments are those of `lie_across`."""
-    pieces, found = np.zeros(len(outline.joined), dtype=np.bool_), np.empty(1, dtype=np.bool_)
-    left_out = np.zeros(1, dtype=np.bool_)
-    _cross(outline, state, np.zeros((1, 2)), left_out, look, margin, found, pieces, True)
-    return pieces
-
-
-@compiled
-def _cross(
-    outline: Outline,
-    state: FloatArray,
-    tried: FloatArray,
-    left_out: BoolArray,
-    look: Look,
-    margin: float,
-    found: BoolArray,
-    pieces: BoolArray,
-    every: bool,
-) -> None:
-    """Fills in `found` (h,) of `lie_across`; with `every`, for one velocity, `pieces` (k,) of
-    `pieces_across`."""
     points, joined, ranges, count = outline.points, outline.joined, look.ranges, len(look.ranges)
+    found = np.full(len(tried), -1)
     elapsed = look.stamp - outline.stamp
     gone_x, gone_y = gone_since(state, abs(elapsed))
     sign = -1.0 if elapsed < 0.0 else 1.0
@@ -70,6 +43,7 @@ def _cross(
     middle_x, middle_y = points[0].mean(), points[1].mean()
     squared = (points[0] - middle_x) ** 2 + (points[1] - middle_y) ** 2
     reach = ranges.max() + sqrt(squared.max())
+    # One loop over all: a call for each would cost more than what it does.
     for h in range(len(tried)):
         if left_out[h]:
             continue
@@ -77,11 +51,11 @@ def _cross(
         if (middle_x + at_x) ** 2 + (middle_y + at_y) ** 2 > reach**2:
             continue
         ax = ay = before = 0.0
-        for k in range(len(joined)):
+        for k in range(begin, len(joined)):
             bx, by = points[0, k] + at_x, points[1, k] + at_y
             after = ray_number(bearing_of(bx, by) - look.yaw, count)
             across = False
-            if k > 0 and joined[k - 1]:
+            if k > begin and joined[k - 1]:
                 # A piece spans less than half a turn.
                 first = before + count if after - before > count / 2 else before
                 last = after + count if before - after > count / 2 else after
@@ -92,12 +66,25 @@ def _cross(
                     if area != 0.0:
                         share = (ax * by - ay * bx) / area  # of the ray, up to the piece
                         across = across or 0.0 < share < 1.0 - margin / ranges[ray]
-            ax, ay, before = bx, by, after
             if across:
-                if not every:
-                    found[h] = True
-                    break
-                pieces[k - 1] = True
+                found[h] = k - 1
+                break
+            ax, ay, before = bx, by, after
+    return found
+
+
+@compiled
+def pieces_across(outline: Outline, state: FloatArray, look: Look, margin: float) -> BoolArray:
+    """(k,) True for the hits of an outline that begin a piece which would lie across rays that went
+    by it; the arguments are those of `first_across`."""
+    found, tried = np.zeros(len(outline.joined), dtype=np.bool_), np.zeros((1, 2))
+    left_out, begin = np.zeros(1, dtype=np.bool_), 0
+    while begin < len(found):
+        piece = first_across(outline, state, tried, left_out, look, margin, begin)[0]
+        if piece < 0:
+            break
+        found[piece], begin = True, piece + 1
+    return found
 
 
 @compiled

@@ -17,7 +17,7 @@ from math import inf
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
-from fuzzynav_mj.sensing.crossing import lie_across, pieces_across
+from fuzzynav_mj.sensing.crossing import first_across, pieces_across
 from fuzzynav_mj.sensing.looks import Look
 from fuzzynav_mj.sensing.outline import Outline, convex_parts
 from fuzzynav_mj.sensing.velocity_filter import LARGEST_ACCELERATION
@@ -175,7 +175,8 @@ def _rule_out(
 ) -> bool:
     """Marks the velocities (h,) with which an outline, at the time of a look, would lie across rays
     that went by. False, and none marked, where an older look leaves too little to be believed."""
-    found, open_, left = lie_across(outline, state, tried, ruled_out, look, margin), 0.0, 0.0
+    found = first_across(outline, state, tried, ruled_out, look, margin) >= 0
+    open_ = left = 0.0
     for h in range(len(tried)):
         open_ += 0.0 if ruled_out[h] else likely[h]
         left += 0.0 if ruled_out[h] or found[h] else likely[h]
@@ -192,6 +193,7 @@ def _contradicts(
     """See `FreeSpace.contradicts`; `before` is the last look."""
     change = LARGEST_ACCELERATION * (outline.stamp - last.stamp)
     tried = change * np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
-    ruled_out = lie_across(outline, state, tried, np.zeros(5, dtype=np.bool_), before, margin)
-    ruled_out |= lie_across(last, state, tried, ruled_out, now, margin)
+    none = np.zeros(len(tried), dtype=np.bool_)
+    ruled_out = first_across(outline, state, tried, none, before, margin) >= 0
+    ruled_out |= first_across(last, state, tried, ruled_out, now, margin) >= 0
     return bool(ruled_out.all())

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from made_scans import HERE, scan_of, square
 
-from fuzzynav_mj.sensing.crossing import bearing_of, lie_across, pieces_across
+from fuzzynav_mj.sensing.crossing import bearing_of, first_across, pieces_across
 from fuzzynav_mj.sensing.looks import Look, take_look
 from fuzzynav_mj.sensing.outline import Outline
 
@@ -28,7 +28,7 @@ def across(outline: Outline, look: Look, *more: tuple[float, float]) -> list[boo
     """Whether each of the velocities puts the outline across rays of the look, by 1 cm or more."""
     tried = np.array(more)
     left_out = np.zeros(len(tried), dtype=bool)
-    return lie_across(outline, STANDS, tried, left_out, look, 0.01).tolist()
+    return (first_across(outline, STANDS, tried, left_out, look, 0.01) >= 0).tolist()
 
 
 @given(angle=st.floats(-pi, pi), distance=st.floats(1e-3, 10.0))
@@ -58,8 +58,8 @@ def test_what_stands_there_is_no_contradiction() -> None:
 
 def test_left_out_velocities_are_not_marked() -> None:
     tried, left_out = np.zeros((2, 2)), np.array([True, False])
-    found = lie_across(wall(0.5), STANDS, tried, left_out, EMPTY, 0.01)
-    assert found.tolist() == [False, True]
+    found = first_across(wall(0.5), STANDS, tried, left_out, EMPTY, 0.01)
+    assert found.tolist() == [-1, 0]
 
 
 def test_only_pieces_between_joined_hits_lie_across() -> None:
