@@ -5,6 +5,7 @@ and cells are filled at the first decision. The rehearsal sees to both in some t
 or some seconds on a new machine.
 """
 
+from dataclasses import replace
 from functools import lru_cache
 from math import pi
 
@@ -13,10 +14,19 @@ import numpy as np
 from fuzzynav_mj.disturbance import Disturbance
 from fuzzynav_mj.episode import run_episode
 from fuzzynav_mj.fuzzy.risk import RiskGate
+from fuzzynav_mj.planners.evasion import FIRST_MOVE
+from fuzzynav_mj.planners.motions import moves_after
 from fuzzynav_mj.planners.multilayer import MultilayerPlanner
+from fuzzynav_mj.planners.settings import GuidanceSettings
+from fuzzynav_mj.planners.sight import Sight
+from fuzzynav_mj.planners.surroundings import surroundings
+from fuzzynav_mj.planners.walls import walls_in_sight
+from fuzzynav_mj.planners.ways import straight_ways_in, way_beside_walls
+from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.scenarios.motion import Mover, waypoint_motion
 from fuzzynav_mj.scenarios.schema import Scenario
 from fuzzynav_mj.scenarios.shape import Shape
+from fuzzynav_mj.sensing.free_space import FreeSpace
 from fuzzynav_mj.sensing.hidden import hidden_part
 from fuzzynav_mj.sensing.lateness import brought_up
 from fuzzynav_mj.sensing.looks import Look, take_look
@@ -72,6 +82,7 @@ def rehearse() -> None:
     seen = imperfect.perceive(simulation.scan, simulation.pose)
     brought_up(seen, simulation.pose, simulation.spec.decision_period)
     _rehearse_meetings(take_look(simulation.scan, simulation.pose), simulation.spec.sensor_range)
+    _rehearse_ways(surroundings(seen, simulation.pose, simulation.spec).sight, simulation.spec)
 
 
 def _rehearse_meetings(look: Look, max_range: float) -> None:
@@ -81,3 +92,13 @@ def _rehearse_meetings(look: Look, max_range: float) -> None:
     left_over(outline, nobody[: len(outline.joined)])
     misfit(outline, outline, 0.0, 0.0, max_range)
     hidden_part(outline.points, look, max_range, False)
+    FreeSpace(look, [look]).strangers(np.zeros(4), outline, [outline])
+
+
+def _rehearse_ways(sight: Sight, spec: RobotSpec) -> None:
+    """What is only done beside a wall that leaves sight, and in a pinch."""
+    settings = GuidanceSettings()
+    ways = straight_ways_in(sight, settings)
+    ways = replace(ways, open=np.ones(len(ways.open), dtype=bool))
+    way_beside_walls(0, np.array([9.0, 0.0]), sight, ways, walls_in_sight(sight), settings)
+    moves_after(np.zeros((1, FIRST_MOVE, 3)), spec)

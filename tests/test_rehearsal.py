@@ -26,7 +26,7 @@ def test_nothing_is_left_to_be_compiled_or_filled_in_an_episode() -> None:
     rehearse()
     before, grids = specialisations(), grid_around.cache_info().misses
     assert before
-    for name in ("trap", "narrow"):
+    for name in ("trap", "narrow", "concave", "maze", "faster"):
         play_episode(load_scenario(name), "fuzzy", 1)
     noisy = Disturbance(range_noise_m=0.01, dropouts=0.02, delay_periods=1)
     play_episode(load_scenario("convex"), "fuzzy", 1, noisy)
