@@ -7,7 +7,8 @@ is the best of its second ones.
 
 import numpy as np
 
-from fuzzynav_mj.planners.motions import HORIZON, moves_after
+from fuzzynav_mj.planners.headings import HORIZON
+from fuzzynav_mj.planners.motions import moves_after
 from fuzzynav_mj.planners.outlook import Outlook, look_ahead
 from fuzzynav_mj.planners.passing import JUDGED, OUTLOOK, Passing, judged_places
 from fuzzynav_mj.planners.scene import Scene

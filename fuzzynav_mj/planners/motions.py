@@ -11,16 +11,17 @@ from math import cos, pi, sin
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
+from fuzzynav_mj.planners.headings import (
+    HORIZON,
+    NO_TURN,
+    TURN_STEP,
+    TURNS,
+    headings,
+    rate_class,
+)
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray, Twist2D
 
-HORIZON = 16  # steps of one decision period each
-TURN_STEP = pi / 90  # directions are held in steps of two degrees
-TURNS = round(2 * pi / TURN_STEP)
-NO_TURN = TURNS  # the row of the heading table in which the robot stops turning
-YAW_RATE_CLASS = 0.1  # rad/s
-TURN_TIME = 0.2  # s: time constant of the turn towards the direction
-FINE_STEPS = 4  # so many half periods are rolled out first, where speeds still change fast
 SECOND_EVERY = 3  # so few of the candidates tell what a second move can do
 FORWARD_SPEEDS = (1.0, 0.5, 0.2)  # fractions of the top speed
 REVERSE_SPEEDS = (1.0, 0.4)
@@ -63,8 +64,8 @@ class Motions:
 def candidate_motions(wanted: float, twist: Twist2D, spec: RobotSpec) -> Motions:
     """Candidates around a wanted direction of travel (rad, robot frame), a turn on the spot to it,
     and the one that stops."""
-    aims, table = _aims(spec), _headings(spec)
-    kind = _rate_class(twist.omega, len(table.courses))
+    aims, table = _aims(spec), headings(spec)
+    kind = rate_class(twist.omega, len(table.courses))
     poses, facing, speeds, direction = _drive(
         table.courses[kind],
         table.rate[kind],
@@ -90,7 +91,7 @@ def moves_after(first: FloatArray, spec: RobotSpec) -> Motions:
     Returns:
         Candidates through the HORIZON - k periods that are left.
     """
-    aims, table = _aims(spec), _headings(spec)
+    aims, table = _aims(spec), headings(spec)
     # Copies, for compiled functions are made anew for every layout.
     turn, aim = aims.turn[::SECOND_EVERY].copy(), aims.speed[::SECOND_EVERY].copy()
     poses, facing, speeds, direction = _drive_on(
@@ -146,60 +147,6 @@ def _aims(spec: RobotSpec) -> _Aims:
     )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Headings:
-    """Headings over time for each class of yaw rate and each row of turns.
-
-    Attributes:
-        span: (steps,) length of each time step, s.
-        whole: (HORIZON,) the step that each decision period ends with.
-        rate: (classes, rows) yaw rate after the first period, rad/s.
-        courses: (classes, rows, steps, 8) share of the speed aimed at, at each step's end; x and y
-            of the heading in its middle; x and y of the centre's mean velocity about the axle,
-            m/s; and the heading at its end, with its x and y.
-    """
-
-    span: FloatArray
-    whole: IntArray
-    rate: FloatArray
-    courses: FloatArray
-
-
-@lru_cache(maxsize=8)
-def _headings(spec: RobotSpec) -> _Headings:
-    period = spec.decision_period
-    span = np.array([period / 2] * FINE_STEPS + [period] * (HORIZON - FINE_STEPS // 2))
-    whole = np.searchsorted(np.cumsum(span), (np.arange(HORIZON) + 1) * period - 1e-9)
-    turns = np.arange(TURNS) * TURN_STEP
-    turns = np.append(np.where(turns > pi, turns - 2 * pi, turns), 0.0)
-    turning = np.append(np.ones(TURNS), 0.0)
-    classes = round(spec.max_yaw_rate / YAW_RATE_CLASS)
-    rate = np.repeat(np.arange(-classes, classes + 1)[:, None] * YAW_RATE_CLASS, len(turns), axis=1)
-    yaw = np.zeros_like(rate)
-    middle, mean, drive, after, rates = [], [], [], [], []
-    for step in span:
-        start = yaw
-        for part in (step / 2, step / 2):
-            error = turns - yaw
-            wanted = turning * np.clip(error / TURN_TIME, -spec.max_yaw_rate, spec.max_yaw_rate)
-            change = np.clip(wanted - rate, *(spec.max_yaw_acceleration * part * np.array([-1, 1])))
-            yaw = yaw + (rate + change / 2) * part
-            rate = rate + change
-            middle.append(yaw)
-        mean.append((yaw - start) / step)
-        error = turns - yaw
-        # Drive while roughly on course; turn on the spot otherwise.
-        drive.append(np.maximum(np.cos(np.clip(error, -pi / 2, pi / 2)), 0.0) ** 2)
-        after.append(yaw)
-        rates.append(rate)
-    c, s = np.cos(middle[::2]), np.sin(middle[::2])
-    side = spec.axle_offset * np.array(mean)
-    ends = after, np.cos(after), np.sin(after)
-    courses = np.stack((drive, c, s, -s * side, c * side, *ends), axis=-1)
-    courses = np.ascontiguousarray(courses.transpose(1, 2, 0, 3))
-    return _Headings(span, whole, rates[whole[0]], courses)
-
-
 @compiled
 def _drive(
     courses: FloatArray,
@@ -217,12 +164,12 @@ def _drive(
     directions of travel, rad.
 
     Args:
-        courses, rates: (rows, steps, 8) and (rows,) of `_Headings`, for the present yaw rate.
+        courses, rates: (rows, steps, 8) and (rows,) of `Headings`, for the present yaw rate.
         wanted: direction, turn steps.
         turns, aim: (m,) turn and speed of `_Aims`.
         speed_now: m/s.
         acceleration: m/s2.
-        span, whole: of `_Headings`.
+        span, whole: of `Headings`.
     """
     count = len(aim)
     poses, speeds = np.empty((count, len(whole), 3)), np.empty((count, 2))
@@ -273,7 +220,7 @@ def _drive_on(
 
     Args:
         first: as in `moves_after`.
-        courses, rates: (classes, rows, steps, 8) and (classes, rows) of `_Headings`.
+        courses, rates: (classes, rows, steps, 8) and (classes, rows) of `Headings`.
         turns, aim: (m,) turn and speed of `_Aims`.
         decision_period: s.
         acceleration, span, whole: as in `_drive`.
@@ -287,7 +234,7 @@ def _drive_on(
         x, y, yaw = first[n, -1]
         c, s = cos(yaw), sin(yaw)
         speed = (c * (x - before_x) + s * (y - before_y)) / decision_period
-        kind = _rate_class((yaw - before) / decision_period, len(courses))
+        kind = rate_class((yaw - before) / decision_period, len(courses))
         own, own_facing, own_speeds, own_direction = _drive(
             courses[kind], rates[kind], 0, turns, aim, speed, acceleration, span, whole
         )
@@ -299,13 +246,6 @@ def _drive_on(
         facing[of, :, 0], facing[of, :, 1] = c * ahead - s * aside, s * ahead + c * aside
         speeds[of], direction[of] = own_speeds, own_direction + yaw
     return poses, facing, speeds, direction
-
-
-@compiled
-def _rate_class(omega: float, classes: int) -> int:
-    """The class of `_Headings` for a yaw rate, rad/s, of an odd number of them."""
-    most = classes // 2
-    return min(max(round(omega / YAW_RATE_CLASS), -most), most) + most
 
 
 @compiled

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
-from fuzzynav_mj.planners.motions import HORIZON
+from fuzzynav_mj.planners.headings import HORIZON
 from fuzzynav_mj.planners.settings import DecisionSettings
 from fuzzynav_mj.planners.surroundings import Surroundings, period_ends
 from fuzzynav_mj.robot import RobotSpec

@@ -6,7 +6,7 @@ from math import atan2, cos, hypot, pi, sin
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
-from fuzzynav_mj.planners.motions import HORIZON
+from fuzzynav_mj.planners.headings import HORIZON
 from fuzzynav_mj.planners.passing import OUTLOOK
 from fuzzynav_mj.planners.prediction import displacements
 from fuzzynav_mj.planners.reach import range_of_line

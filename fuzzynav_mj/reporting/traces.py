@@ -12,7 +12,7 @@ import numpy as np
 from fuzzynav_mj.benchmark import EpisodeJob
 from fuzzynav_mj.errors import FuzzyNavError
 from fuzzynav_mj.fuzzy.risk import RiskGate
-from fuzzynav_mj.planners.motions import TURN_STEP
+from fuzzynav_mj.planners.headings import TURN_STEP
 from fuzzynav_mj.planners.sectors import as_fuzzy_inputs, sector_distances
 from fuzzynav_mj.results import FailedEpisode
 from fuzzynav_mj.robot import DEFAULT_ROBOT

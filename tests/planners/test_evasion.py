@@ -9,7 +9,8 @@ from point_scene import SETTINGS, scene_of
 
 from fuzzynav_mj.planners.evasion import lasting
 from fuzzynav_mj.planners.grid import CELL
-from fuzzynav_mj.planners.motions import HORIZON, candidate_motions
+from fuzzynav_mj.planners.headings import HORIZON
+from fuzzynav_mj.planners.motions import candidate_motions
 from fuzzynav_mj.planners.outlook import Outlook, look_ahead
 from fuzzynav_mj.planners.passing import JUDGED, NO_WAY, OUTLOOK, Passing
 from fuzzynav_mj.planners.scene import Scene

@@ -9,13 +9,8 @@ from hypothesis import strategies as st
 
 from fuzzynav_mj.control import centre_displacement, drive_towards
 from fuzzynav_mj.geometry import wrap_angle
-from fuzzynav_mj.planners.motions import (
-    HORIZON,
-    TURN_STEP,
-    Motions,
-    candidate_motions,
-    places_after,
-)
+from fuzzynav_mj.planners.headings import HORIZON, TURN_STEP
+from fuzzynav_mj.planners.motions import Motions, candidate_motions, places_after
 from fuzzynav_mj.robot import DEFAULT_ROBOT
 from fuzzynav_mj.types import FloatArray, Pose2D, Twist2D
 

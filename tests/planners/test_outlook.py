@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from point_scene import SETTINGS, scene_of
 
-from fuzzynav_mj.planners.motions import HORIZON, Motions, candidate_motions
+from fuzzynav_mj.planners.headings import HORIZON
+from fuzzynav_mj.planners.motions import Motions, candidate_motions
 from fuzzynav_mj.planners.outlook import Outlook, look_ahead
 from fuzzynav_mj.planners.passing import OUTLOOK
 from fuzzynav_mj.robot import DEFAULT_ROBOT as SPEC

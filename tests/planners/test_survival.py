@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from point_scene import SETTINGS, scene_of
 
 from fuzzynav_mj.planners.clearance import facings, place
-from fuzzynav_mj.planners.motions import HORIZON
+from fuzzynav_mj.planners.headings import HORIZON
 from fuzzynav_mj.planners.passing import OUTLOOK
 from fuzzynav_mj.planners.survival import TOUCH, hold_against_movers
 from fuzzynav_mj.robot import DEFAULT_ROBOT as SPEC

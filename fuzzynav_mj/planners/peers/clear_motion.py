@@ -10,7 +10,8 @@ from math import atan2, cos, sin
 import numpy as np
 
 from fuzzynav_mj.planners.clearance import static_clearance
-from fuzzynav_mj.planners.motions import HORIZON, candidate_motions
+from fuzzynav_mj.planners.headings import HORIZON
+from fuzzynav_mj.planners.motions import candidate_motions
 from fuzzynav_mj.planners.sight import thin
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.types import FloatArray, LaserScan, Pose2D, Twist2D
