@@ -25,8 +25,8 @@ class Handles:
 
     Attributes:
         place: (7,) position and quaternion of the chassis.
-        place_at, twist_at: where the chassis' are in all positions and in all speeds.
         speed: (nv,) all speeds.
+        twist_at: where the chassis' are in it.
         wheel_dofs: (2,) numbers of the left and the right wheel's in it.
         ctrl: (2,) rad/s.
         wheel_of: (2,) the wheel behind each actuator.
@@ -38,9 +38,8 @@ class Handles:
     """
 
     place: FloatArray
-    place_at: slice
-    twist_at: slice
     speed: FloatArray
+    twist_at: slice
     wheel_dofs: IntArray
     ctrl: FloatArray
     wheel_of: IntArray
@@ -70,9 +69,8 @@ def find_handles(
     mocap_ids = [int(model.body_mocapid[model.body(body.full_identifier).id]) for body in movers]
     return Handles(
         place=data.qpos[start : start + 7],
-        place_at=slice(start, start + 7),
-        twist_at=slice(speed, speed + 6),
         speed=data.qvel,
+        twist_at=slice(speed, speed + 6),
         wheel_dofs=np.array([int(wheel.dofadr[0]) for wheel in wheels]),
         ctrl=data.ctrl,
         wheel_of=np.argsort(actuators),

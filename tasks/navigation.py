@@ -148,7 +148,7 @@ class NavigateToGoal(composer.Task):
         self, physics: mjcf.Physics, random_state: np.random.RandomState
     ) -> None:
         """Places the robot and the moving obstacles."""
-        del random_state
+        del physics, random_state
         self.seed += 1
         if self.seed != self._drawn_seed:
             self._draw(self.seed)
@@ -158,7 +158,7 @@ class NavigateToGoal(composer.Task):
         self._step = 0
         self._commanded = Twist2D(0.0, 0.0)
         start, handles = self.scenario.start, self._handles
-        physics.data.ptr.qpos[handles.place_at] = (
+        handles.place[:] = (
             start.x, start.y, 0.0, cos(start.yaw / 2), 0.0, 0.0, sin(start.yaw / 2)
         )  # fmt: skip
         handles.mocap[:, :2] = self._movers.rows(0, 1)[0].take(handles.mover_of, axis=0)
