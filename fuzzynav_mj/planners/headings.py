@@ -10,6 +10,7 @@ from math import pi
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
+from fuzzynav_mj.planners.steering import TURN_TIME
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.types import FloatArray, IntArray
 
@@ -18,7 +19,6 @@ TURN_STEP = pi / 90  # directions are held in steps of two degrees
 TURNS = round(2 * pi / TURN_STEP)
 NO_TURN = TURNS  # the row of the table in which the robot stops turning
 YAW_RATE_CLASS = 0.1  # rad/s
-TURN_TIME = 0.2  # s: time constant of the turn towards the direction
 FINE_STEPS = 4  # so many half periods are rolled out first, where speeds still change fast
 
 
