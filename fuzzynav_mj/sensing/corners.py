@@ -15,7 +15,6 @@ from fuzzynav_mj.sensing.free_space import FreeSpace
 from fuzzynav_mj.sensing.outline import Outline
 from fuzzynav_mj.sensing.registration import strays
 from fuzzynav_mj.sensing.velocity_filter import (
-    ACCELERATION_SIGMA,
     LARGEST_ACCELERATION,
     Beliefs,
     gone_since,
@@ -29,6 +28,7 @@ STRAY_REACH = 0.08  # m within which a hit is held against an outline that shoul
 STRAY = 0.008  # m by which it may lie off, besides ...
 STRAY_NOISE = 2.0  # ... so many standard deviations of the ranges
 UNLIKE = 9.0  # squared standard deviations beyond which a velocity is not the one expected
+STRAIGHT_ON = 0.4  # m/s2: what is believed of accelerations between corners
 BEFORE = 0.5  # of the change: standard deviation of the velocity now from the mean since the look
 
 
@@ -36,8 +36,8 @@ class Turned(NamedTuple):
     """A mover after it has turned at once.
 
     Attributes:
-        state: (4,) as in velocity_filter.py.
-        covariance: (4, 4) of the state.
+        state: (6,) as in velocity_filter.py.
+        covariance: (6, 6) of the state.
         others: (k,) True for the hits of its outline that this does not explain.
     """
 
@@ -54,7 +54,7 @@ def explains_most(others: BoolArray) -> bool:
 def unexplained(
     state: FloatArray, outline: Outline, earlier: Outline, beliefs: Beliefs
 ) -> BoolArray:
-    """(k,) True for hits that a mover of this state (4,) and earlier outline does not explain."""
+    """(k,) True for hits that a mover of this state (6,) and earlier outline does not explain."""
     gone = gone_since(state, outline.stamp - earlier.stamp)
     return strays(outline, earlier, *gone, STRAY_REACH, STRAY + STRAY_NOISE * beliefs.noise)
 
@@ -65,9 +65,9 @@ def changed_at_once(
     """True if a velocity differs from the one expected by more than any bend explains.
 
     Args:
-        state: (4,) in the light of a look.
-        expected: (4,) before it ...
-        covariance: (4, 4) ... and how far it was known.
+        state: (6,) in the light of a look.
+        expected: (6,) before it ...
+        covariance: (6, 6) ... and how far it was known.
         elapsed: s since the look before.
     """
     x, y = (state[:2] - expected[:2]).tolist()
@@ -90,13 +90,13 @@ def turned_at_once(
     """
     if not space.past or last.stamp < space.past[-1].stamp:
         return None
-    earlier = last, last
-    state, covariance = taken_in(*nothing_known(), outline, earlier, 1, space.now, beliefs)
+    unknown = nothing_known(outline.stamp - last.stamp)
+    state, covariance = taken_in(*unknown, outline, (last, last), 1, space.now, beliefs)
     others = unexplained(state, outline, last, beliefs)
     if not explains_most(others):
         return None
     state, covariance = space.narrow(state, covariance, outline, [last], last.stamp)
     change = BEFORE * (state[:2] - velocity)
-    doubt = np.diag([0.0, 0.0, ACCELERATION_SIGMA**2, ACCELERATION_SIGMA**2])
+    doubt = np.diag([0.0, 0.0, STRAIGHT_ON**2, STRAIGHT_ON**2, 0.0, 0.0])
     doubt[:2, :2] = covariance[:2, :2] + np.outer(change, change)
-    return Turned(np.array([state[0], state[1], 0.0, 0.0]), doubt, others)
+    return Turned(np.array([state[0], state[1], 0.0, 0.0, 0.0, 0.0]), doubt, others)

@@ -26,7 +26,7 @@ def first_across(
 
     Args:
         outline: at its own time.
-        state: (4,) of its mover, as in velocity_filter.py, at the later one of the two times.
+        state: (6,) of its mover, as in velocity_filter.py, at the later one of the two times.
         tried: (h, 2) by which the mover is faster, m/s.
         left_out: (h,) True for those that are not tried.
         look: what the rays saw.

@@ -56,7 +56,7 @@ class FreeSpace:
         before: Sequence[Outline],
         since: float = -inf,
     ) -> tuple[FloatArray, FloatArray]:
-        """State (4,) and covariance (4, 4), as in velocity_filter.py, without the velocities that
+        """State (6,) and covariance (6, 6), as in velocity_filter.py, without the velocities that
         are ruled out; as they are where all are, or none.
 
         A mover that has turned at once was elsewhere before: an older look that leaves next to
@@ -79,7 +79,7 @@ class FreeSpace:
         )  # fmt: skip
 
     def contradicts(self, state: FloatArray, outline: Outline, last: Outline) -> bool:
-        """True if a mover of this state (4,), with an outline of one part, would have been where
+        """True if a mover of this state (6,), with an outline of one part, would have been where
         rays went by in the last look, or its outline of then would be where they do now; and
         whichever way it had changed its velocity in a bend, too."""
         if not self.past or convex_parts(outline)[-1] > 0:

@@ -71,7 +71,7 @@ class PerceptionSettings:
     still: float = 0.010
     margin: float = 0.05
     top_speed: float = 0.9
-    flow_sigma: float = 0.003
+    flow_sigma: float = 0.0003
     independent_hits: float = 6.0
     outlier: float = 0.06
     outline_sigma: float = 0.03
@@ -216,7 +216,8 @@ class Perceiver:
         extent = self._settings.mover_extent / 2
         recent = list(self._looks)[-self._settings.looks :]
         before = [outline_around(look, others, x, y, extent) for look, others in recent]
-        track = Track.begin(centre, before)
+        elapsed = space.now.stamp - before[-1].stamp if before else 0.0
+        track = Track.begin(centre, before, elapsed)
         track.take_in(outline_of(hits, chosen, space.now), space, self._beliefs)
         self._tracks.append(track)
         taken[hits.rays[chosen]] = True

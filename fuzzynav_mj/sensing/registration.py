@@ -16,6 +16,7 @@ from fuzzynav_mj.types import BoolArray, FloatArray
 
 BEYOND = 0.05  # of a piece's length by which a hit may lie off its ends
 OTHER_FACE = 0.7  # sine of an angle: a hit on a surface that differs by more is not compared
+PARALLEL = 1e-5  # sine of an angle: a smaller one is none
 FEWEST_STRAYS = 2  # hits side by side: a single one may sit on a corner
 COMPARABLE = 0.25  # share of an outline that must lie under the other for it to explain anything
 
@@ -64,7 +65,9 @@ def hold_against(now: Outline, before: Outline, x: float, y: float, reach: float
         shift.known[i] = True
         shift.normals[0, i], shift.normals[1, i] = nx, ny
         shift.distance[i] = (px - ax) * nx + (py - ay) * ny
-        shift.blur[i] = max(here, there) * length / 2
+        # Two looks do not cut a corner alike: pieces that are exactly parallel are of one face.
+        cut = here if here < PARALLEL else max(here, there)
+        shift.blur[i] = cut * length / 2
     return shift
 
 

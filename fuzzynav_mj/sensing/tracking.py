@@ -56,13 +56,12 @@ class Track:
 
     Attributes:
         centre: (2,) mean of its hits when last seen, world frame, carried on with its velocity.
-        state: (4,) velocity, m/s, and acceleration, m/s2.
-        covariance: (4, 4) of the state.
+        state: (6,) velocity, m/s, acceleration, m/s2, and way since it was last seen, m.
+        covariance: (6, 6) of the state.
         outlines: of the last looks.
         fullest: the outline of a look, not long ago, that showed most of it.
         most: the largest number of its hits, not long ago.
-        shift: (2,) how far the mover has gone since then, m ...
-        known_shift: (2,) ... up to when it was last seen.
+        shift: (2,) how far it went from then until it was last seen, m.
         straight_since: stamp of the look before which it last turned at once, s.
         reach: how far off its outline hits may lie, m.
         seen: number of looks that showed it, and ...
@@ -76,21 +75,23 @@ class Track:
     fullest: Outline = NOTHING
     most: int = 0
     shift: FloatArray = field(default_factory=lambda: np.zeros(2))
-    known_shift: FloatArray = field(default_factory=lambda: np.zeros(2))
     straight_since: float = -inf
     reach: float = CLAIM
     seen: int = 0
     missed: int = 0
 
     @classmethod
-    def begin(cls, centre: FloatArray, before: Sequence[Outline] = ()) -> "Track":
+    def begin(
+        cls, centre: FloatArray, before: Sequence[Outline] = (), elapsed: float = 0.0
+    ) -> "Track":
         """A track of a mover whose velocity is not known yet.
 
         Args:
             centre: (2,) mean of its hits, world frame, m.
             before: what earlier looks, the newest last, showed about its place.
+            elapsed: s since the newest of them.
         """
-        return cls(centre, *nothing_known(), deque(before, maxlen=REMEMBERED))
+        return cls(centre, *nothing_known(elapsed), deque(before, maxlen=REMEMBERED))
 
     @property
     def velocity(self) -> FloatArray:
@@ -105,7 +106,7 @@ class Track:
     @property
     def turn_rate(self) -> float:
         """Rate at which the velocity turns, rad/s."""
-        vx, vy, ax, ay = self.state.tolist()
+        vx, vy, ax, ay = self.state[:4].tolist()
         squared = vx * vx + vy * vy
         if squared < 1e-4:
             return 0.0
@@ -144,13 +145,13 @@ class Track:
     @property
     def expected_outline(self) -> FloatArray:
         """(2, k) the fullest outline where it should be now, world frame, m."""
-        return self.fullest.points + self.shift[:, None]
+        return self.fullest.points + (self.shift + self.state[4:])[:, None]
 
     def predict(self, elapsed: float) -> None:
         """Carries the belief on to the next look."""
         self.centre = self.centre + self.velocity * elapsed
-        self.shift = self.shift + elapsed * self.velocity + elapsed**2 / 2 * self.state[2:]
-        self.reach = min(self.reach + 2.0 * self.speed_sigma * elapsed, LARGEST_REACH)
+        bend = LARGEST_ACCELERATION / 2 * elapsed**2
+        self.reach = min(self.reach + 2.0 * self.speed_sigma * elapsed + bend, LARGEST_REACH)
         self.state, self.covariance = carried_on(self.state, self.covariance, elapsed)
         self.missed += 1
 
@@ -190,7 +191,7 @@ class Track:
                 return np.ones(len(others), dtype=bool)
             own = left_over(outline, others)
             if anew:
-                self.state, self.covariance = nothing_known()
+                self.state, self.covariance = nothing_known(outline.stamp - self.outlines[-1].stamp)
                 self._forget_outlines()
             state, covariance = self._learnt(own, space, beliefs)
         self._go_on(own, state, covariance)
@@ -211,8 +212,7 @@ class Track:
 
     def _go_on(self, outline: Outline, state: FloatArray, covariance: FloatArray) -> None:
         """Takes in an outline and what was learnt from it."""
-        gone = gone_since(state, outline.stamp - self.outlines[-1].stamp)
-        self.shift = self.known_shift = self.known_shift + gone
+        self.shift = self.shift + state[4:]
         self.state, self.covariance = state, covariance
         self._note(outline)
 
@@ -224,7 +224,8 @@ class Track:
         if old or len(outline.joined) >= WHOLE * self.most:
             self.most = len(outline.joined) if old else max(len(outline.joined), self.most)
             self.fullest = outline
-            self.shift = self.known_shift = np.zeros(2)
+            self.shift = np.zeros(2)
+        self.state[4:] = self.covariance[4:] = self.covariance[:, 4:] = 0.0
         self.seen, self.missed, self.reach = self.seen + 1, 0, CLAIM
 
     @property
@@ -250,7 +251,7 @@ class Track:
         return others if slow.all() else others | slow
 
     def _contradicted(self, state: FloatArray, outline: Outline, space: FreeSpace) -> bool:
-        """True if a state (4,) is not what was expected of a mover whose motion is known, or not
+        """True if a state (6,) is not what was expected of a mover whose motion is known, or not
         what free space allows."""
         last = self.outlines[-1]
         elapsed = outline.stamp - last.stamp
@@ -282,15 +283,18 @@ class Track:
                 self.outlines[number] = in_one(outline, later[outline.stamp])
         self.fullest = self.outlines[-1]
         self.most = len(self.fullest.joined)
-        self.shift = self.known_shift = np.zeros(2)
+        self.shift = np.zeros(2)
         self.centre = self.fullest.points.mean(axis=1)
         self.seen = max(self.seen, other.seen)
 
     def _with(self, other: "Track") -> tuple[FloatArray, FloatArray]:
         """State and covariance in the light of both."""
-        mine, theirs = np.linalg.inv(self.covariance), np.linalg.inv(other.covariance)
-        covariance = np.ascontiguousarray(np.linalg.inv(mine + theirs))
-        return covariance @ (mine @ self.state + theirs @ other.state), covariance
+        mine = np.linalg.inv(self.covariance[:4, :4])
+        theirs = np.linalg.inv(other.covariance[:4, :4])
+        state, covariance = np.zeros(6), np.zeros((6, 6))
+        covariance[:4, :4] = np.linalg.inv(mine + theirs)
+        state[:4] = covariance[:4, :4] @ (mine @ self.state[:4] + theirs @ other.state[:4])
+        return state, covariance
 
 
 def _misses(track: Track, state: FloatArray) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.types import FloatArray
 
-KNOWN = 0.08  # m/s: a smaller uncertainty of a velocity is left as it is
+KNOWN = 0.04  # m/s: a smaller uncertainty of a velocity is left as it is
 SPAN = 2.5  # standard deviations within which velocities are tried ...
 TRIED = 21  # ... so many of them, along each axis
 
@@ -34,7 +34,7 @@ class Frame(NamedTuple):
 
 @compiled
 def frame_of(covariance: FloatArray) -> Frame:
-    """The frame of a state's covariance (4, 4)."""
+    """The frame of a state's covariance (6, 6)."""
     xx, xy, yy = covariance[0, 0], covariance[0, 1], covariance[1, 1]
     angle = atan2(2.0 * xy, xx - yy) / 2.0
     x, y = cos(angle), sin(angle)
@@ -80,7 +80,7 @@ def without(
     open_: FloatArray,
     likely: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
-    """State (4,) and covariance (4, 4) if a frame's velocities, at `places` (h, 2), are as
+    """State (6,) and covariance (6, 6) if a frame's velocities, at `places` (h, 2), are as
     likely as `open_` (h,) says, not as `likely` (h,).
 
     The velocity gets the mean and the covariance of what is open; the acceleration follows as far
@@ -107,15 +107,16 @@ def without(
     if frame.steps > 1 and frame.side_steps > 1:
         change[0, 1] = (left[4] - left[1] * left[2]) / sqrt(every[3] * every[5])
         change[1, 0] = change[0, 1]
-    gain, x, y = np.zeros((4, 2)), frame.x, frame.y
-    for i in range(4):
+    size = len(state)
+    gain, x, y = np.zeros((size, 2)), frame.x, frame.y
+    for i in range(size):
         gain[i, 0] = (covariance[i, 0] * x + covariance[i, 1] * y) / frame.most
         if frame.side_steps > 1:
             gain[i, 1] = (covariance[i, 1] * x - covariance[i, 0] * y) / frame.least
     state, covariance = state.copy(), covariance.copy()
-    for i in range(4):
+    for i in range(size):
         state[i] += gain[i, 0] * left[1] + gain[i, 1] * left[2]
-        for j in range(4):
+        for j in range(size):
             for m in range(2):
                 for n in range(2):
                     covariance[i, j] += gain[i, m] * change[m, n] * gain[j, n]

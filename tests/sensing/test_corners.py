@@ -16,7 +16,7 @@ from fuzzynav_mj.sensing.velocity_filter import Beliefs
 from fuzzynav_mj.types import FloatArray, PerceivedObstacle
 
 BELIEFS = Beliefs(
-    flow_sigma=0.003, noise=0.0, independent_hits=6.0, outlier=0.06, outline_sigma=0.03
+    flow_sigma=0.0003, noise=0.0, independent_hits=6.0, outlier=0.06, outline_sigma=0.03
 )
 SPEED = 0.4  # m/s
 CORNER = np.array([0.45, 0.1])  # where the mover turns
@@ -91,7 +91,7 @@ def test_after_a_corner_the_mean_since_the_look_before_is_known() -> None:
     space = FreeSpace(now.now, [before.now])
     turned = turned_at_once(outline, last, np.array([0.3, 0.0]), space, BELIEFS)
     assert turned is not None and not turned.others.any()
-    np.testing.assert_allclose(turned.state, [-0.2, 0.2, 0.0, 0.0], atol=0.01)
+    np.testing.assert_allclose(turned.state, [-0.2, 0.2, 0.0, 0.0, 0.0, 0.0], atol=0.01)
     way = turned.state[:2] - np.array([0.3, 0.0])
     along = way / np.hypot(*way)
     sigma = np.sqrt(along @ turned.covariance[:2, :2] @ along)

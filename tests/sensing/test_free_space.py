@@ -69,7 +69,7 @@ def test_what_is_true_is_never_ruled_out(
     narrowed, left = space.narrow(state, covariance, outline_in(now), before)
     off = velocity - narrowed[:2]
     assert off @ np.linalg.solve(left[:2, :2] + 0.05**2 * np.eye(2), off) < 12.0
-    assert np.linalg.eigvalsh(left).min() > 0.0
+    assert np.linalg.eigvalsh(left[:4, :4]).min() > 0.0
 
 
 @pytest.mark.parametrize("speed", [-0.4, -0.2, 0.2, 0.4])

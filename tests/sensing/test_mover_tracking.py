@@ -15,13 +15,13 @@ from fuzzynav_mj.sensing.tracking import Track
 from fuzzynav_mj.sensing.velocity_filter import (
     ACCELERATION_SIGMA,
     ACCELERATION_TIME,
-    SPEED_NOISE,
     Beliefs,
+    carried_on,
 )
 from fuzzynav_mj.types import FloatArray, LaserScan, Pose2D
 
 BELIEFS = Beliefs(
-    flow_sigma=0.003, noise=0.0, independent_hits=6.0, outlier=0.06, outline_sigma=0.03
+    flow_sigma=0.0003, noise=0.0, independent_hits=6.0, outlier=0.06, outline_sigma=0.03
 )
 PERIOD = 0.1
 CORNER = ((0.0, 0.0), (0.12, 0.0), (0.12, 0.15))  # two faces at right angles
@@ -70,27 +70,94 @@ def followed(
     return track
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_prediction_is_the_linear_model(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    track = Track.begin(rng.normal(size=2))
-    track.state = rng.normal(0.0, 0.2, 4)
-    root = rng.normal(0.0, 0.2, (4, 4))
-    track.covariance = root @ root.T + 0.01 * np.eye(4)
+def test_a_prediction_drives_the_state_on() -> None:
+    track = Track.begin(np.array([1.0, 2.0]))
+    track.state = np.array([0.3, -0.1, 0.5, 0.2, 0.01, 0.02])
     fade = exp(-PERIOD / ACCELERATION_TIME)
-    model = np.eye(4) + PERIOD * np.eye(4, k=2)
-    model[2:] *= fade
-    noise = ACCELERATION_SIGMA**2 * (1.0 - fade**2)
-    added = np.diag([SPEED_NOISE**2, SPEED_NOISE**2, noise, noise])
-    centre = track.centre + PERIOD * track.velocity
-    way = PERIOD * track.velocity + PERIOD**2 / 2 * track.state[2:]
-    state, covariance = model @ track.state, model @ track.covariance @ model.T + added
     track.predict(PERIOD)
-    np.testing.assert_allclose(track.state, state, atol=1e-14)
-    np.testing.assert_allclose(track.covariance, covariance, atol=1e-14)
-    np.testing.assert_allclose(track.centre, centre, atol=1e-14)
-    np.testing.assert_allclose(track.shift, way, atol=1e-14)
+    velocity, acceleration = [0.3 + 0.05, -0.1 + 0.02], [0.5 * fade, 0.2 * fade]
+    way = [0.01 + 0.03 + 0.0025, 0.02 - 0.01 + 0.001]
+    np.testing.assert_allclose(track.state, [*velocity, *acceleration, *way], atol=1e-15)
+    np.testing.assert_allclose(track.centre, [1.03, 1.99], atol=1e-15)
     assert track.missed == 1
+
+
+def spread_of_futures(elapsed: float, steps: int = 2000) -> FloatArray:
+    """(3, 3) covariance of way, velocity and acceleration of a mover that stood still, by adding up
+    what white noise of the acceleration's rate in each short step leads to."""
+    fade = exp(-elapsed / ACCELERATION_TIME)
+    power = ACCELERATION_SIGMA**2 * (1.0 - fade**2) / elapsed
+    step = elapsed / steps
+    left = elapsed - step * (np.arange(steps) + 0.5)
+    led_to = np.stack((left**2 / 2, left, np.ones(steps)))
+    covariance: FloatArray = power * step * (led_to @ led_to.T)
+    return covariance
+
+
+@pytest.mark.parametrize("elapsed", [0.1, 0.3, 0.8])
+def test_a_prediction_doubts_what_changes_meanwhile(elapsed: float) -> None:
+    _, covariance = carried_on(np.zeros(6), np.zeros((6, 6)), elapsed)
+    for axis in (0, 1):
+        chosen = [axis + 4, axis, axis + 2]
+        found = covariance[np.ix_(chosen, chosen)]
+        np.testing.assert_allclose(found, spread_of_futures(elapsed), rtol=1e-5, atol=2e-10)
+    assert not covariance[0::2, 1::2].any()
+
+
+def test_what_is_believed_of_accelerations_stays_as_strong() -> None:
+    state, covariance = np.zeros(6), np.zeros((6, 6))
+    covariance[2, 2] = covariance[3, 3] = ACCELERATION_SIGMA**2
+    for _ in range(5):
+        state, covariance = carried_on(state, covariance, PERIOD)
+    np.testing.assert_allclose(np.diag(covariance)[2:4], ACCELERATION_SIGMA**2, rtol=1e-12)
+
+
+def on_a_circle(speed: float, rate: float, time: float) -> tuple[FloatArray, FloatArray]:
+    """(2,) place and (2,) velocity on a circle."""
+    angle, radius = rate * time, speed / rate
+    place = radius * np.array([sin(angle), 1.0 - cos(angle)])
+    return place, speed * np.array([cos(angle), sin(angle)])
+
+
+def followed_round(
+    first: tuple[tuple[float, float], ...],
+    then: tuple[tuple[float, float], ...],
+    rate: float,
+    looks: int,
+) -> tuple[Track, FloatArray]:
+    """A track after eight looks at a mover that goes straight, and so many after it has begun to
+    turn on a circle, which may show other faces; and the velocity that it has then."""
+    speed, straight = 0.45, 8
+    track, velocity = Track.begin(np.zeros(2)), np.array([speed, 0.0])
+    for number in range(straight + looks):
+        if number:
+            track.predict(PERIOD)
+        stamp = PERIOD * number
+        since = stamp - PERIOD * (straight - 1)
+        place, corners = np.array([speed * since, 0.0]), first
+        if number >= straight:
+            (place, velocity), corners = on_a_circle(speed, rate, since), then
+        track.take_in(outline(corners, 0.5 + place, stamp), look_at(stamp), BELIEFS)
+    return track, velocity
+
+
+@pytest.mark.parametrize("rate", [-1.5, -0.8, 0.8, 1.5])
+def test_a_turn_is_seen_within_four_looks(rate: float) -> None:
+    track, velocity = followed_round(CORNER, CORNER, rate, looks=4)
+    np.testing.assert_allclose(track.velocity, velocity, atol=0.01)
+    assert track.turn_rate == pytest.approx(rate, rel=0.2)
+
+
+@pytest.mark.parametrize("rate", [-1.5, 1.5])
+def test_what_is_seen_of_a_turn_across_one_face_tells_the_rest_of_it(rate: float) -> None:
+    """Along itself a face does not show any motion, but the mover keeps its speed: less than 0.6 of
+    what a straight mover would be off by there remains."""
+    corner, face = ((0.0, 0.0), (0.12, 0.09), (0.03, 0.21)), ((0.0, 0.0), (0.12, 0.09))
+    track, velocity = followed_round(corner, face, rate, looks=4)
+    along = np.array([0.8, 0.6])
+    unseen = abs((velocity - np.array([0.45, 0.0])) @ along)
+    assert abs((track.velocity - velocity) @ along) < 0.6 * unseen
+    assert track.turn_rate * rate > 0.75
 
 
 @pytest.mark.parametrize("bearing", np.arange(0.0, 2 * pi, pi / 4))
