@@ -21,13 +21,13 @@ def first_across(
     margin: float,
     begin: int = 0,
 ) -> IntArray:
-    """(h,) for each velocity the hit that begins the first piece of an outline which, at the time
+    """(h,) for each motion the hit that begins the first piece of an outline which, at the time
     of a look, would lie across rays that went by; -1 for none.
 
     Args:
         outline: at its own time.
         state: (6,) of its mover, as in velocity_filter.py, at the later one of the two times.
-        tried: (h, 2) by which the mover is faster, m/s.
+        tried: (h, 4) velocities, m/s, and accelerations, m/s2, that the mover has in addition.
         left_out: (h,) True for those that are not tried.
         look: what the rays saw.
         margin: by how much farther a ray must have reached, m.
@@ -47,7 +47,8 @@ def first_across(
     for h in range(len(tried)):
         if left_out[h]:
             continue
-        at_x, at_y = x + elapsed * tried[h, 0], y + elapsed * tried[h, 1]
+        more_x, more_y = gone_since(tried[h], abs(elapsed))
+        at_x, at_y = x + sign * more_x, y + sign * more_y
         if (middle_x + at_x) ** 2 + (middle_y + at_y) ** 2 > reach**2:
             continue
         ax = ay = before = 0.0
@@ -77,7 +78,7 @@ def first_across(
 def pieces_across(outline: Outline, state: FloatArray, look: Look, margin: float) -> BoolArray:
     """(k,) True for the hits of an outline that begin a piece which would lie across rays that went
     by it; the arguments are those of `first_across`."""
-    found, tried = np.zeros(len(outline.joined), dtype=np.bool_), np.zeros((1, 2))
+    found, tried = np.zeros(len(outline.joined), dtype=np.bool_), np.zeros((1, 4))
     left_out, begin = np.zeros(1, dtype=np.bool_), 0
     while begin < len(found):
         piece = first_across(outline, state, tried, left_out, look, margin, begin)[0]

@@ -2,9 +2,10 @@
 
 A flat side does not show how it moves along itself, and its ends are known no better than the rays
 beside them are apart. But its outline of now, carried back, must not lie across a ray that went by
-earlier, nor an earlier outline, carried onward, across a ray of now. Velocities for which one would
+earlier, nor an earlier outline, carried onward, across a ray of now. Motions for which one would
 are ruled out, and what several looks leave open together is far less than any two of them. So even
-the first look at a mover tells how fast it must be to have come into view.
+the first look at a mover tells how fast it must be to have come into view, and later ones how the
+motion of a side along itself changes.
 
 If the velocity that is believed is ruled out itself, the outline is that of two movers, which no
 common motion explains.
@@ -21,7 +22,7 @@ from fuzzynav_mj.sensing.crossing import first_across, pieces_across
 from fuzzynav_mj.sensing.looks import Look
 from fuzzynav_mj.sensing.outline import Outline, convex_parts
 from fuzzynav_mj.sensing.velocity_filter import LARGEST_ACCELERATION
-from fuzzynav_mj.sensing.velocity_grid import frame_of, velocities, without
+from fuzzynav_mj.sensing.velocity_grid import frame_of, motions, without
 from fuzzynav_mj.types import BoolArray, FloatArray
 
 LOOKS = 4  # earlier looks whose free space counts ...
@@ -56,7 +57,7 @@ class FreeSpace:
         before: Sequence[Outline],
         since: float = -inf,
     ) -> tuple[FloatArray, FloatArray]:
-        """State (6,) and covariance (6, 6), as in velocity_filter.py, without the velocities that
+        """State (6,) and covariance (6, 6), as in velocity_filter.py, without the motions that
         are ruled out; as they are where all are, or none.
 
         A mover that has turned at once was elsewhere before: an older look that leaves next to
@@ -145,7 +146,7 @@ def _narrow(
     frame = frame_of(covariance)
     if frame.steps * frame.side_steps == 1:
         return state, covariance
-    places, tried, likely = velocities(frame)
+    places, tried, likely = motions(frame)
     ruled_out = np.zeros(len(tried), dtype=np.bool_)
     for n in range(look_count):
         margin = _margin(noise, looks[n].stamp - outline.stamp)
@@ -173,7 +174,7 @@ def _rule_out(
     margin: float,
     older: bool,
 ) -> bool:
-    """Marks the velocities (h,) with which an outline, at the time of a look, would lie across rays
+    """Marks the motions (h,) with which an outline, at the time of a look, would lie across rays
     that went by. False, and none marked, where an older look leaves too little to be believed."""
     found = first_across(outline, state, tried, ruled_out, look, margin) >= 0
     open_ = left = 0.0
@@ -192,7 +193,8 @@ def _contradicts(
 ) -> bool:
     """See `FreeSpace.contradicts`; `before` is the last look."""
     change = LARGEST_ACCELERATION * (outline.stamp - last.stamp)
-    tried = change * np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
+    tried = np.zeros((5, 4))
+    tried[1, 0], tried[2, 0], tried[3, 1], tried[4, 1] = change, -change, change, -change
     none = np.zeros(len(tried), dtype=np.bool_)
     ruled_out = first_across(outline, state, tried, none, before, margin) >= 0
     ruled_out |= first_across(last, state, tried, ruled_out, now, margin) >= 0

@@ -13,7 +13,7 @@ from fuzzynav_mj.sensing.looks import Look, take_look
 from fuzzynav_mj.sensing.outline import Outline
 
 EMPTY = take_look(scan_of([], 0.0), HERE)  # rays reach 0.8 m everywhere
-STANDS = np.zeros(4)
+STANDS = np.zeros(6)
 
 
 def wall(x: float, stamp: float = 0.0) -> Outline:
@@ -26,7 +26,7 @@ def wall(x: float, stamp: float = 0.0) -> Outline:
 
 def across(outline: Outline, look: Look, *more: tuple[float, float]) -> list[bool]:
     """Whether each of the velocities puts the outline across rays of the look, by 1 cm or more."""
-    tried = np.array(more)
+    tried = np.array([[*velocity, 0.0, 0.0] for velocity in more])
     left_out = np.zeros(len(tried), dtype=bool)
     return (first_across(outline, STANDS, tried, left_out, look, 0.01) >= 0).tolist()
 
@@ -50,6 +50,14 @@ def test_where_it_was_counts_at_the_time_of_the_look() -> None:
     assert across(wall(0.75, stamp=0.1), EMPTY, (-1.0, 0.0), (-0.1, 0.0)) == [False, True]
 
 
+def test_what_accelerates_was_farther_behind() -> None:
+    """In half a second 4 m/s2 are worth as much as 1 m/s: without them it was out of sight."""
+    tried = np.array([[-0.4, 0.0, 0.0, 0.0], [-0.4, 0.0, -1.6, 0.0]])
+    none = np.zeros(2, dtype=bool)
+    found = first_across(wall(0.7, stamp=0.5), STANDS, tried, none, EMPTY, 0.01)
+    assert found.tolist() == [-1, 0]
+
+
 def test_what_stands_there_is_no_contradiction() -> None:
     seen = take_look(scan_of([square(0.5, 0.0)], 0.0), HERE)
     nearest = 0.5 - 0.1
@@ -57,7 +65,7 @@ def test_what_stands_there_is_no_contradiction() -> None:
 
 
 def test_left_out_velocities_are_not_marked() -> None:
-    tried, left_out = np.zeros((2, 2)), np.array([True, False])
+    tried, left_out = np.zeros((2, 4)), np.array([True, False])
     found = first_across(wall(0.5), STANDS, tried, left_out, EMPTY, 0.01)
     assert found.tolist() == [-1, 0]
 
