@@ -46,7 +46,7 @@ class DecisionSettings:
     static_weight: float = 1.5
     moving_margin: float = 0.06
     moving_margin_growth: float = 0.03
-    unlikely_share: float = 0.4
+    unlikely_share: float = 0.5
     doubtful: float = 0.05
     moving_gap: float = 0.13
     moving_gap_growth: float = 0.10
