@@ -56,19 +56,22 @@ def test_two_looks_after_a_corner_a_mover_is_known_again(turn: float, heading: f
 
 def test_a_corner_is_a_change_that_no_bend_explains() -> None:
     """In 0.1 s a bend changes a velocity by 0.12 m/s at most."""
-    expected, known = np.array([0.4, 0.0, 0.0, 0.0]), np.diag([0.02, 0.02, 0.6, 0.6]) ** 2
-    bend = np.array([0.4, 0.119, 0.0, 0.0])
-    corner = np.array([0.4, 0.121, 0.0, 0.0])
+    expected, known = (
+        np.array([0.4, 0.0] + [0.0] * 4),
+        np.diag([0.02, 0.02, 0.6, 0.6, 0.0, 0.0]) ** 2,
+    )
+    bend = np.array([0.4, 0.119] + [0.0] * 4)
+    corner = np.array([0.4, 0.121] + [0.0] * 4)
     assert not changed_at_once(bend, expected, known, PERIOD)
     assert changed_at_once(corner, expected, known, PERIOD)
 
 
 def test_where_a_velocity_was_not_known_no_change_is_a_corner() -> None:
     """Up to three standard deviations."""
-    expected = np.array([0.4, 0.0, 0.0, 0.0])
-    corner = np.array([0.4, 0.3, 0.0, 0.0])
+    expected = np.array([0.4, 0.0] + [0.0] * 4)
+    corner = np.array([0.4, 0.3] + [0.0] * 4)
     for sigma, turned in ((0.099, True), (0.101, False)):
-        known = np.diag([sigma, sigma, 0.6, 0.6]) ** 2
+        known = np.diag([sigma, sigma, 0.6, 0.6, 0.0, 0.0]) ** 2
         assert changed_at_once(corner, expected, known, PERIOD) is turned
 
 

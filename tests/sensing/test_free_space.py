@@ -30,7 +30,7 @@ def outline_in(look: Look) -> Outline:
 
 
 def moving(velocity: FloatArray) -> FloatArray:
-    return np.array([*velocity, 0.0, 0.0])
+    return np.array([*velocity, 0.0, 0.0, 0.0, 0.0])
 
 
 def perceived(body: FloatArray, velocity: FloatArray, looks: int) -> PerceivedObstacle:
@@ -100,8 +100,8 @@ def test_a_half_of_the_velocities_ruled_out_leaves_a_half_normal() -> None:
     assert now.hit[last] and not now.hit[last + 1]
     ranges = np.where(np.arange(RAYS) < last, before.ranges, REACH)
     past = take_look(LaserScan(0.0, before.bearings, ranges, ranges < REACH, REACH), HERE)
-    covariance = np.diag([0.01**2, sigma**2, 0.6**2, 0.6**2])
-    state, left = FreeSpace(now, [past]).narrow(np.zeros(4), covariance, outline_in(now), [])
+    covariance = np.diag([0.01, sigma, 0.6, 0.6, 0.0, 0.0]) ** 2
+    state, left = FreeSpace(now, [past]).narrow(np.zeros(6), covariance, outline_in(now), [])
     assert state[1] == pytest.approx(sqrt(2 / pi) * sigma, rel=0.15)
     assert left[1, 1] == pytest.approx((1 - 2 / pi) * sigma**2, rel=0.15)
     assert state[0] == pytest.approx(0.0, abs=1e-9) and left[0, 0] == covariance[0, 0]
@@ -114,7 +114,7 @@ def test_a_mover_that_turned_at_once_is_not_held_against_where_it_was() -> None:
     past = [look_of([square(*place)], -ago) for ago, place in path.items()]
     space = FreeSpace(look_of([square(0.45, 0.0)], 0.0), past)
     recent = FreeSpace(space.now, past[-2:])
-    believed = np.array([-0.5, 0.0, 0.0, 0.0]), np.diag([0.02, 0.15, 0.6, 0.6]) ** 2
+    believed = np.array([-0.5, 0.0] + [0.0] * 4), np.diag([0.02, 0.15, 0.6, 0.6, 0.0, 0.0]) ** 2
     state, _ = space.narrow(*believed, outline_in(space.now), [])
     np.testing.assert_allclose(state[:2], [-0.5, 0.0], atol=0.05)
     np.testing.assert_allclose(state, recent.narrow(*believed, outline_in(space.now), [])[0])
@@ -122,8 +122,8 @@ def test_a_mover_that_turned_at_once_is_not_held_against_where_it_was() -> None:
 
 def test_what_is_known_well_is_left_as_it_is() -> None:
     now, past = look_of([square(0.5, 0.0)], 0.1), look_of([], 0.0)
-    covariance = np.diag([0.9 * KNOWN, 0.5 * KNOWN, 0.6, 0.6]) ** 2
-    state = np.array([0.1, 0.2, 0.0, 0.0])
+    covariance = np.diag([0.9 * KNOWN, 0.5 * KNOWN, 0.6, 0.6, 0.0, 0.0]) ** 2
+    state = np.array([0.1, 0.2] + [0.0] * 4)
     same = FreeSpace(now, [past]).narrow(state, covariance, outline_in(now), [])
     assert same[0] is state and same[1] is covariance
 
@@ -131,7 +131,7 @@ def test_what_is_known_well_is_left_as_it_is() -> None:
 def test_where_all_is_ruled_out_nothing_is_learnt() -> None:
     """In the middle of what was free, farther in than anything believed could come."""
     now, past = look_of([square(0.3, 0.0)], 0.1), look_of([], 0.0)
-    state, covariance = np.zeros(4), np.diag([0.1, 0.1, 0.6, 0.6]) ** 2
+    state, covariance = np.zeros(6), np.diag([0.1, 0.1, 0.6, 0.6, 0.0, 0.0]) ** 2
     same = FreeSpace(now, [past]).narrow(state, covariance, outline_in(now), [])
     assert same[0] is state and same[1] is covariance
 
@@ -159,7 +159,7 @@ def test_hits_of_a_stranger_are_those_that_the_motion_puts_where_nothing_was() -
     past = [look_of([large], 0.0), look_of([large], 0.1)]
     now = look_of([large, small], 0.2)
     shown = outline_in(now)
-    strange, anew = FreeSpace(now, past).strangers(np.zeros(4), shown, [outline_in(past[1])])
+    strange, anew = FreeSpace(now, past).strangers(np.zeros(6), shown, [outline_in(past[1])])
     own = shown.points[1] < 0.2 - 1e-6
     own &= shown.points[0] > 0.6 - 1e-6
     assert not anew
