@@ -144,7 +144,7 @@ def _narrow(
 ) -> tuple[FloatArray, FloatArray]:
     """See `FreeSpace.narrow`; of earlier outlines and looks, the newest first, so many count."""
     frame = frame_of(covariance)
-    if frame.steps * frame.side_steps == 1:
+    if frame.steps == 1:
         return state, covariance
     places, tried, likely = motions(frame)
     ruled_out = np.zeros(len(tried), dtype=np.bool_)

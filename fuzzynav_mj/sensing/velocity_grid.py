@@ -25,7 +25,7 @@ class Frame(NamedTuple):
     Attributes:
         loads: (6, 2) by how much each of the state changes with them.
         steps: how many of the first are tried ...
-        side_steps: ... and of the second; one where little is uncertain.
+        side_steps: ... and of the second; one each where little is uncertain.
     """
 
     loads: FloatArray
@@ -100,7 +100,8 @@ def without(
     likely: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
     """State (6,) and covariance (6, 6) if a frame's motions, at `places` (h, 2), are as likely as
-    `open_` (h,) says, not as `likely` (h,): with the mean and the covariance of what is open."""
+    `open_` (h,) says, not as `likely` (h,): with the mean and the covariance of what is open. The
+    frame is one in which something is uncertain."""
     # Sums over all of the grid and over what is left of it: of 1, a, b, aa, ab, bb, where a and b
     # are the places on the axes, each as often as it is likely.
     every, left = np.zeros(6), np.zeros(6)
@@ -114,13 +115,10 @@ def without(
     # What the covariance, the identity on the grid before, becomes. The grid's own is smaller, for
     # it ends.
     change = np.zeros((2, 2))
-    if frame.steps > 1:
-        change[0, 0] = (left[3] - left[1] ** 2) / every[3] + _between(frame.steps) - 1.0
-    if frame.side_steps > 1:
-        change[1, 1] = (left[5] - left[2] ** 2) / every[5] + _between(frame.side_steps) - 1.0
-    if frame.steps > 1 and frame.side_steps > 1:
-        change[0, 1] = (left[4] - left[1] * left[2]) / sqrt(every[3] * every[5])
-        change[1, 0] = change[0, 1]
+    change[0, 0] = (left[3] - left[1] ** 2) / every[3] + _between(frame.steps) - 1.0
+    change[1, 1] = (left[5] - left[2] ** 2) / every[5] + _between(frame.side_steps) - 1.0
+    change[0, 1] = (left[4] - left[1] * left[2]) / sqrt(every[3] * every[5])
+    change[1, 0] = change[0, 1]
     loads, state, covariance = frame.loads, state.copy(), covariance.copy()
     for i in range(len(state)):
         state[i] += loads[i, 0] * left[1] + loads[i, 1] * left[2]

@@ -1,4 +1,4 @@
-"""The velocities that are tried, and what is believed when none of them is ruled out."""
+"""The motions that are tried, and what is believed when none of them is ruled out."""
 
 import numpy as np
 import pytest
