@@ -50,9 +50,9 @@ def seen_to_move(
     max_range: float,
     still: float,
     certainty: float,
-) -> IntArray:
+) -> tuple[IntArray, BoolArray]:
     """(m,) MOVING, STATIC or UNKNOWN for each hit, against the oldest and the newest remembered
-    look.
+    look; and (m,) True for hits well inside of what was free space then.
 
     Args:
         hits: m of them.
@@ -80,7 +80,7 @@ def _seen_to_move(
     max_range: float,
     still: float,
     certainty: float,
-) -> IntArray:
+) -> tuple[IntArray, BoolArray]:
     """`seen_to_move` against the first `count` of two earlier looks."""
     shape = count, len(hits.rays)
     flow = PointFlow(
@@ -94,7 +94,10 @@ def _seen_to_move(
     for row in range(count):
         flow.elapsed[row] = now.stamp - earlier[row].stamp
         _compare(hits, now, earlier[row], top_speed, margin, max_range, flow, row)
-    return _flags(flow, still, certainty)
+    intrudes = np.zeros(len(hits.rays), dtype=np.bool_)
+    for row in range(count):
+        intrudes |= flow.intruding[row]
+    return _flags(flow, intrudes, still, certainty), intrudes
 
 
 @compiled
@@ -170,13 +173,14 @@ def _depth_behind(x: float, y: float, look: Look) -> float:
 
 
 @compiled
-def _flags(flow: PointFlow, still: float, certainty: float) -> IntArray:
+def _flags(flow: PointFlow, intrudes: BoolArray, still: float, certainty: float) -> IntArray:
     """(m,) MOVING, STATIC or UNKNOWN for each hit, as far as it can be told.
 
     It moves if any comparison shows that: what turned back is where it was before.
 
     Args:
         flow: the comparisons.
+        intrudes: (m,) True for hits inside of what was free space.
         still: a surface that moved less than this stands still, m.
         certainty: standard deviations of noise beyond `still` that show motion.
     """
@@ -187,7 +191,6 @@ def _flags(flow: PointFlow, still: float, certainty: float) -> IntArray:
             if flags[i] != MOVING and flow.known[look, i]:
                 moved = abs(flow.distance[look, i]) > still + certainty * flow.sigma[look, i]
                 flags[i] = MOVING if moved else STATIC
-        for look in range(looks):
-            if flow.intruding[look, i]:
-                flags[i] = MOVING
+        if intrudes[i]:
+            flags[i] = MOVING
     return flags

@@ -20,7 +20,8 @@ import numpy as np
 from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.sensing.crossing import first_across, pieces_across
 from fuzzynav_mj.sensing.looks import Look
-from fuzzynav_mj.sensing.outline import Outline, convex_parts
+from fuzzynav_mj.sensing.outline import Outline
+from fuzzynav_mj.sensing.parts import convex_parts
 from fuzzynav_mj.sensing.velocity_filter import LARGEST_ACCELERATION
 from fuzzynav_mj.sensing.velocity_grid import frame_of, motions, without
 from fuzzynav_mj.types import BoolArray, FloatArray
@@ -83,7 +84,7 @@ class FreeSpace:
         """True if a mover of this state (6,), with an outline of one part, would have been where
         rays went by in the last look, or its outline of then would be where they do now; and
         whichever way it had changed its velocity in a bend, too."""
-        if not self.past or convex_parts(outline)[-1] > 0:
+        if not self.past or convex_parts(outline.points, outline.joined)[-1] > 0:
             return False
         return _contradicts(
             state, outline, last, self.past[-1], self.now, _contradiction(self.noise)
@@ -100,7 +101,7 @@ class FreeSpace:
         not, then the belief is wrong, and only the largest part is kept. An outline of one part
         belongs to one mover, which began to turn.
         """
-        part = convex_parts(outline)
+        part = convex_parts(outline.points, outline.joined)
         across = np.zeros(len(part), dtype=bool)
         if part[-1] == 0:
             return across, False

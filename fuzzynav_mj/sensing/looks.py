@@ -10,7 +10,8 @@ from fuzzynav_mj.sensing.cleaning import CleanScan
 from fuzzynav_mj.types import BoolArray, FloatArray, LaserScan, Pose2D
 
 SAME_FACE = 0.97  # cosine of the largest angle between normals of what is taken as one face
-SAME_LINE = 0.995  # cosine of the largest angle between normals of hits on one straight surface
+ONE_LINE = 0.999999  # cosine of the largest angle between pieces of one straight side ...
+SAME_LINE = 0.995  # ... and where noise blurs their normals
 ROUGH_REACH = 2  # hits to each side that a rough normal is drawn over, and ...
 ROUGH = 5.0  # ... standard deviations of noise by which they must be apart
 
@@ -102,7 +103,7 @@ def _look(
         if both[i] and both[i - 1]:
             along = normals[1, i] * normals[1, i - 1] + normals[0, i] * normals[0, i - 1]
             alike = length[i] < 2.0 * length[i - 1] and length[i - 1] < 2.0 * length[i]
-            if along > SAME_LINE and alike:
+            if along > ONE_LINE and alike:
                 joined[i] = joined[i - 1] = True
     for i in range(count):
         points[0, i] += x

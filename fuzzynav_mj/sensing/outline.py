@@ -12,7 +12,6 @@ from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
 END_DEPTH = 0.05  # m: an outline ends where the next ray reaches this much farther ...
 RANGE_END_DEPTH = 0.15  # m: ... or this much, where the next ray hits nothing
-POCKET = 0.35  # sine of the turn in a corner that points away from the sensor, and parts an outline
 END_REACH = 0.2  # m within which an end is looked for where it should have been before
 
 
@@ -98,29 +97,6 @@ def _drawn(
         outline.normals[0, k], outline.normals[1, k] = normals[0, i], normals[1, i]
         outline.joined[k] = k + 1 < count and joined[i] and kept[k + 1] == (i + 1) % size
     return outline
-
-
-@compiled
-def convex_parts(outline: Outline) -> IntArray:
-    """(k,) the number of the part of an outline that each of its hits is of: one ends where it is
-    not joined, and in a corner that points away from the sensor, as between two bodies."""
-    count, points = len(outline.joined), outline.points
-    turn = np.zeros(count + 1)  # the sine of the turn at each hit
-    for k in range(1, count - 1):
-        if outline.joined[k - 1] and outline.joined[k]:
-            x, y = points[0, k] - points[0, k - 1], points[1, k] - points[1, k - 1]
-            on_x, on_y = points[0, k + 1] - points[0, k], points[1, k + 1] - points[1, k]
-            turn[k] = (x * on_y - y * on_x) / max(hypot(x, y) * hypot(on_x, on_y), 1e-12)
-    part, number = np.zeros(count, dtype=np.intp), 0
-    for k in range(count - 1):
-        part[k] = number
-        # A corner lies between two hits, and both turn a little.
-        here = turn[k] + turn[k + 1]
-        before = turn[k - 1] + turn[k] if k > 0 else 0.0
-        pocket = here > max(POCKET, before) and here >= turn[k + 1] + turn[k + 2]
-        number += pocket or not outline.joined[k]
-    part[count - 1] = number
-    return part
 
 
 def in_one(first: Outline, second: Outline) -> Outline:

@@ -22,12 +22,15 @@ from fuzzynav_mj.sensing.looks import Look, take_clean_look, take_look
 from fuzzynav_mj.sensing.outline import outline_around, outline_of
 from fuzzynav_mj.sensing.perceived import perceived
 from fuzzynav_mj.sensing.segmentation import (
+    MOVING,
     NEW,
+    STANDS,
     STATIC,
     Hits,
     divide,
     drop_single,
     gather_hits,
+    moved_as_one,
     run_bounds,
 )
 from fuzzynav_mj.sensing.tracking import FORGET_AFTER, Track
@@ -127,12 +130,13 @@ class Perceiver:
         visibility = visibility_matrix(now, previous, scan.bearings, self._spec.rings)
         hits = gather_hits(now)
         settings, reach = self._settings, self._spec.sensor_range
-        flags = seen_to_move(
+        flags, intrudes = seen_to_move(
             hits, now, earlier, settings.top_speed, settings.margin, reach,
             settings.still, settings.certainty,
         )  # fmt: skip
         if self._unreliable:
             flags = drop_single(hits.first, flags)
+            intrudes &= flags == MOVING
         if previous is not None:
             for track in self._tracks:
                 track.predict(now.stamp - previous.stamp)
@@ -140,6 +144,7 @@ class Perceiver:
         elapsed = now.stamp - earlier[0].stamp if earlier else 0.0
         still = settings.still + settings.certainty * sqrt(2.0) * self._noise
         claims = claimed(hits, flags, expected, elapsed, still)
+        flags = moved_as_one(hits, flags, intrudes, settings.mover_extent)
         owners = divide(hits, flags, claims, expected.centre, now, settings.mover_extent)
         obstacles = self._obstacles(hits, flags, owners, now) + self._hidden(now)
         self._tracks = [track for track in self._tracks if track.missed <= FORGET_AFTER]
@@ -155,7 +160,10 @@ class Perceiver:
             chosen = (owners == number).nonzero()[0]
             if len(chosen):
                 others = track.take_in(outline_of(hits, chosen, now), space, self._beliefs)
-                owners[chosen[others]] = NEW
+                left = chosen[others]
+                parts_that_stand = hits.part[flags == STATIC]
+                stands = (flags[left] != MOVING) & np.isin(hits.part[left], parts_that_stand)
+                owners[left] = np.where(stands, STANDS, NEW)
         lost = [track for track in known if track.missed == 1 and track.seen >= 2]
         taken = np.zeros(len(now.ranges), dtype=bool)
         taken[hits.rays[owners >= 0]] = True

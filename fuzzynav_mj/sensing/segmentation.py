@@ -7,6 +7,7 @@ import numpy as np
 
 from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.sensing.looks import Look
+from fuzzynav_mj.sensing.parts import convex_parts
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
 GAP = 0.05  # m: hits farther apart that no continuous surface joins belong to separate obstacles
@@ -24,11 +25,13 @@ class Hits(NamedTuple):
         points: (2, m) x and y, world frame.
         rays: (m,) the rays that hit.
         first: (m,) True at the first hit of each group of hits without a gap between them.
+        part: (m,) number of the convex part of an outline that each is of (`convex_parts`).
     """
 
     points: FloatArray
     rays: IntArray
     first: BoolArray
+    part: IntArray
 
 
 @compiled
@@ -37,6 +40,7 @@ def gather_hits(look: Look) -> Hits:
     points, rays = look.points, look.hit.nonzero()[0]
     count = len(rays)
     parted = np.empty(count, dtype=np.bool_)  # each hit from the next one
+    joined = np.empty(count, dtype=np.bool_)
     start = 0
     for i in range(count):
         ray, after = rays[i], rays[(i + 1) % count]
@@ -52,7 +56,32 @@ def gather_hits(look: Look) -> Hits:
         order[i] = rays[k]
         gathered[0, i], gathered[1, i] = points[0, rays[k]], points[1, rays[k]]
         first[i] = i == 0 or parted[k - 1]
-    return Hits(gathered, order, first)
+        beside = rays[(k + 1) % count] == (rays[k] + 1) % len(look.hit)
+        joined[i] = i + 1 < count and beside and look.joined[rays[k]]
+    return Hits(gathered, order, first, convex_parts(gathered, joined))
+
+
+@compiled
+def moved_as_one(hits: Hits, flags: IntArray, intrudes: BoolArray, mover_extent: float) -> IntArray:
+    """(m,) the flags, where a part of an outline moves as a whole if a hit of it does for certain.
+
+    Of a side that slides along itself only the end that leads shows that it moves.
+
+    Args:
+        hits: m of them.
+        flags: (m,) MOVING, STATIC or UNKNOWN for each hit.
+        intrudes: (m,) True for hits in former free space: no standing obstacle comes there.
+        mover_extent: largest extent of a mover's visible side, m.
+    """
+    moved, count, begin = flags.copy(), len(flags), 0
+    while begin < count:
+        end = begin + 1
+        while end < count and hits.part[end] == hits.part[begin]:
+            end += 1
+        if intrudes[begin:end].any() and _extent(hits.points[:, begin:end]) <= mover_extent:
+            moved[begin:end] = MOVING
+        begin = end
+    return moved
 
 
 @compiled
@@ -93,13 +122,15 @@ def divide(
             if mover >= 0 and flags[i] == STATIC:
                 # It may slide along itself, or be a wall that the mover slides along.
                 away = hypot(x - centres[mover, 0], y - centres[mover, 1])
-                if not small or away > EXPECTED_WITHIN:
+                expected = small and away <= EXPECTED_WITHIN
+                if not expected and not _moves_with(i, mover, owners, flags, hits.part):
                     owners[i] = STANDS
             known += owners[i] >= 0
         if known > 0:
-            _spread(hits, flags[begin:end], owners[begin:end], begin, look)
+            apart = _stand_apart(owners[begin:end], flags[begin:end], hits.part[begin:end])
+            _spread(hits, flags[begin:end], owners[begin:end], apart, begin, look)
             if small:
-                _share(owners[begin:end], flags[begin:end])
+                _share(owners[begin:end], flags[begin:end], apart)
         else:
             moving = (flags[begin:end] == MOVING).sum()
             if small and moving >= max(MOVING_SHARE * (end - begin), 2.0):
@@ -110,6 +141,18 @@ def divide(
                 owners[i] = NEW if flags[i] == MOVING else STANDS
         begin = end
     return owners
+
+
+@compiled
+def _moves_with(i: int, mover: int, owners: IntArray, flags: IntArray, part: IntArray) -> bool:
+    """True if a hit of the same part as hit `i` moves and is a mover's; see `divide`."""
+    for step in (1, -1):
+        k = i + step
+        while 0 <= k < len(part) and part[k] == part[i]:
+            if owners[k] == mover and flags[k] == MOVING:
+                return True
+            k += step
+    return False
 
 
 @compiled
@@ -127,12 +170,14 @@ def run_bounds(first: BoolArray, owners: IntArray) -> IntArray:
 
 
 @compiled
-def _spread(hits: Hits, flags: IntArray, owners: IntArray, begin: int, look: Look) -> None:
+def _spread(
+    hits: Hits, flags: IntArray, owners: IntArray, apart: BoolArray, begin: int, look: Look
+) -> None:
     """Gives hits that came into view beside a known mover to it.
 
     Args:
         hits: all hits.
-        flags, owners: (k,) of the group that begins with hit number `begin`.
+        flags, owners, apart: (k,) of the group that begins with hit number `begin`.
         look: that the hits belong to.
     """
     count = len(owners)
@@ -144,28 +189,46 @@ def _spread(hits: Hits, flags: IntArray, owners: IntArray, begin: int, look: Loo
                 beside = i
                 continue
             before = i - step
-            if beside < 0 or flags[i] == STATIC or owners[before] != owners[beside]:
+            other = apart[i] and flags[i] != MOVING
+            if beside < 0 or flags[i] == STATIC or other or owners[before] != owners[beside]:
                 continue
             dx = hits.points[0, begin + i] - hits.points[0, begin + beside]
             dy = hits.points[1, begin + i] - hits.points[1, begin + beside]
             ray = hits.rays[begin + min(i, before)]
-            if look.joined[ray] and hypot(dx, dy) <= CAME_INTO_VIEW:
+            near = look.joined[ray] and hypot(dx, dy) <= CAME_INTO_VIEW
+            if near or hits.part[begin + i] == hits.part[begin + beside]:
                 owners[i] = owners[beside]
 
 
 @compiled
-def _share(owners: IntArray, flags: IntArray) -> None:
+def _stand_apart(owners: IntArray, flags: IntArray, part: IntArray) -> BoolArray:
+    """(k,) True for hits in a part of the outline in which something stands and no mover claims
+    anything; the arguments are of the hits of one group."""
+    count, begin = len(owners), 0
+    apart = np.zeros(count, dtype=np.bool_)
+    while begin < count:
+        end = begin + 1
+        while end < count and part[end] == part[begin]:
+            end += 1
+        stands = (flags[begin:end] == STATIC).any()
+        apart[begin:end] = stands and not (owners[begin:end] >= 0).any()
+        begin = end
+    return apart
+
+
+@compiled
+def _share(owners: IntArray, flags: IntArray, apart: BoolArray) -> None:
     """Gives all of a small group to the movers that own most of it, each hit to the one beside; but
-    not what moves on a place that none of them claims: it may come out from behind them."""
+    not what moves on a place that none of them claims, for it may come out from behind them, nor
+    what stands apart from them."""
     count = len(owners)
     if 2 * (owners >= 0).sum() < count:
         return
-    for i in range(1, count):
-        if owners[i] < 0 and flags[i] != MOVING:
-            owners[i] = owners[i - 1]
-    for i in range(count - 2, -1, -1):
-        if owners[i] < 0 and flags[i] != MOVING:
-            owners[i] = owners[i + 1]
+    for step in (1, -1):
+        for n in range(1, count):
+            i = n if step > 0 else count - 1 - n
+            if owners[i] < 0 and flags[i] != MOVING and not apart[i]:
+                owners[i] = owners[i - step]
 
 
 @compiled

@@ -12,6 +12,8 @@ from math import atan2, cos, hypot, inf, sin, sqrt
 import numpy as np
 
 from fuzzynav_mj.sensing.corners import (
+    STRAY,
+    STRAY_NOISE,
     STRAY_REACH,
     changed_at_once,
     explains_most,
@@ -20,7 +22,7 @@ from fuzzynav_mj.sensing.corners import (
 )
 from fuzzynav_mj.sensing.free_space import FreeSpace
 from fuzzynav_mj.sensing.outline import Outline, in_one, left_over
-from fuzzynav_mj.sensing.registration import misfit
+from fuzzynav_mj.sensing.registration import misfit, strays
 from fuzzynav_mj.sensing.velocity_filter import (
     LARGEST_ACCELERATION,
     LARGEST_REACH,
@@ -177,6 +179,13 @@ class Track:
             return nobody
         others = self._unexplained(state, outline, beliefs)
         explained = explains_most(others)
+        if not explained:
+            elsewhere = self._unlike_fullest(outline, beliefs)
+            if explains_most(elsewhere):
+                # It comes out from behind something with another side: seen, but not learnt from.
+                own = left_over(outline, elsewhere) if elsewhere.any() else outline
+                self._go_on(own, self.state, self.covariance)
+                return elsewhere
         if not explained or self._contradicted(state, outline, space):
             strange = self.turn(outline, space, beliefs)
             if strange is not None:
@@ -259,6 +268,13 @@ class Track:
             changed_at_once(state, self.state, self.covariance, elapsed)
             or space.contradicts(state, outline, last)
         )
+
+    def _unlike_fullest(self, outline: Outline, beliefs: Beliefs) -> BoolArray:
+        """(k,) True for hits that do not lie where the fullest outline should be now."""
+        unsure = 2.0 * sqrt(max(self.covariance[4, 4], self.covariance[5, 5]))
+        x, y = (self.shift + self.state[4:]).tolist()
+        tolerance = STRAY + STRAY_NOISE * beliefs.noise + unsure
+        return strays(outline, self.fullest, x, y, STRAY_REACH, tolerance)
 
     def _forget_outlines(self) -> None:
         """Forgets which outlines are its own."""

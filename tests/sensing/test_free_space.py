@@ -1,6 +1,5 @@
 """What rays that went by tell of movers: laws, and cases worked out by hand."""
 
-from itertools import pairwise
 from math import cos, pi, sin, sqrt
 
 import numpy as np
@@ -13,7 +12,8 @@ from fuzzynav_mj.robot import DEFAULT_ROBOT
 from fuzzynav_mj.sensing.free_space import CONTRADICTION, FreeSpace
 from fuzzynav_mj.sensing.lidar import ray_bearings
 from fuzzynav_mj.sensing.looks import Look, take_look
-from fuzzynav_mj.sensing.outline import Outline, convex_parts, outline_around
+from fuzzynav_mj.sensing.outline import Outline, outline_around
+from fuzzynav_mj.sensing.parts import convex_parts
 from fuzzynav_mj.sensing.perception import Perceiver
 from fuzzynav_mj.sensing.velocity_filter import nothing_known
 from fuzzynav_mj.sensing.velocity_grid import KNOWN
@@ -174,7 +174,8 @@ def test_a_motion_that_one_of_two_movers_contradicts_is_learnt_anew() -> None:
     strange, anew = FreeSpace(now, past).strangers(believed, outline_in(now), [])
     assert anew
     kept = outline_in(now).points[:, ~strange]
-    assert len(np.unique(convex_parts(outline_in(now))[~strange])) == 1 and kept.shape[1] >= 2
+    part = convex_parts(outline_in(now).points, outline_in(now).joined)
+    assert len(np.unique(part[~strange])) == 1 and kept.shape[1] >= 2
 
 
 def test_a_contradiction_smaller_than_the_margin_is_none() -> None:
@@ -191,38 +192,3 @@ def test_one_body_that_contradicts_a_motion_has_begun_to_turn() -> None:
     believed = moving(np.array([1.0, 0.0]))
     strange, anew = FreeSpace(now, [past]).strangers(believed, outline_in(now), [])
     assert not strange.any() and not anew
-
-
-@pytest.mark.parametrize(
-    ("corners", "parts"),
-    [
-        (((0.0, 0.3), (0.0, 0.0), (0.0, -0.3)), 1),  # straight
-        (((0.1, 0.2), (0.0, 0.0), (0.1, -0.2)), 1),  # a corner towards the sensor at x < 0
-        (((-0.1, 0.2), (0.0, 0.0), (-0.1, -0.2)), 2),  # one away from it
-        (((-0.02, 0.2), (0.0, 0.0), (-0.02, -0.2)), 1),  # hardly one
-    ],
-)
-def test_outlines_part_in_corners_that_point_away(
-    corners: tuple[tuple[float, float], ...], parts: int
-) -> None:
-    """Bearings grow, so hits are listed from right to left: here from -y to y."""
-    chain = np.array(corners[::-1])
-    hits = np.concatenate(
-        [a + np.linspace(0.05, 0.95, 8)[:, None] * (b - a) for a, b in pairwise(chain)]
-    )
-    joined = np.append(np.full(len(hits) - 1, True), False)
-    shape = (2, len(hits))
-    shown = Outline(
-        0.0, np.ascontiguousarray(hits.T), joined, np.zeros(shape), np.zeros(shape, bool)
-    )
-    part = convex_parts(shown)
-    assert part[-1] + 1 == parts and (np.diff(part) >= 0).all()
-    if parts == 2:
-        assert (part == 0).sum() == (part == 1).sum() == 8
-
-
-def test_outlines_part_where_they_are_not_joined() -> None:
-    points = np.array([[0.5, 0.5, 0.5, 0.5], [0.0, 0.02, 0.1, 0.12]])
-    joined = np.array([True, False, True, False])
-    shown = Outline(0.0, points, joined, np.zeros((2, 4)), np.zeros((2, 4), dtype=bool))
-    assert convex_parts(shown).tolist() == [0, 0, 1, 1]

@@ -275,6 +275,36 @@ def test_the_fullest_outline_is_carried_on_while_part_of_it_is_hidden() -> None:
                                atol=3e-3)  # fmt: skip
 
 
+def test_a_mover_that_comes_out_again_with_another_side_keeps_its_motion() -> None:
+    """For two looks only the start of one face is in sight, then only the other face: nothing that
+    the last looks have shown. It is where the fullest outline should be."""
+    velocity = np.array([-0.2, 0.3])
+    track = followed(CORNER, velocity, 6)
+    start, side = (CORNER[0], (0.04, 0.0)), CORNER[1:]
+    for number, faces in ((6, start), (7, start), (8, side), (9, side)):
+        before = track.velocity
+        track.predict(PERIOD)
+        stamp = PERIOD * number
+        shown = outline(faces, 0.5 + velocity * stamp, stamp)
+        assert not track.take_in(shown, look_at(stamp), BELIEFS).any()
+        np.testing.assert_allclose(track.velocity, before, atol=0.01)
+    assert track.seen == 10
+
+
+def test_another_mover_that_comes_out_where_one_is_expected_is_not_taken_for_it() -> None:
+    """Its side lies 3 cm off where the other face should be."""
+    velocity = np.array([-0.2, 0.3])
+    track = followed(CORNER, velocity, 6)
+    start, side = (CORNER[0], (0.04, 0.0)), CORNER[1:]
+    for number in (6, 7):
+        track.predict(PERIOD)
+        stamp = PERIOD * number
+        track.take_in(outline(start, 0.5 + velocity * stamp, stamp), look_at(stamp), BELIEFS)
+    track.predict(PERIOD)
+    shown = outline(side, 0.5 + velocity * 0.8 + np.array([0.03, 0.0]), 0.8)
+    assert track.take_in(shown, look_at(0.8), BELIEFS).all()
+
+
 def test_looks_at_the_same_time_give_no_speed_and_no_error() -> None:
     ranges = np.full(180, 0.8)
     ranges[80:90] = 0.5

@@ -14,6 +14,7 @@ from fuzzynav_mj.sensing.segmentation import (
     divide,
     drop_single,
     gather_hits,
+    moved_as_one,
     run_bounds,
 )
 from fuzzynav_mj.types import IntArray, LaserScan, Pose2D
@@ -34,12 +35,14 @@ def flags_of(kinds: str) -> IntArray:
     return np.array([KINDS[kind] for kind in kinds], dtype=np.intp)
 
 
-def row_of(groups: str, step: float = 0.02) -> Hits:
-    """Hits on a line, `step` m apart, with a gap before each new letter."""
+def row_of(groups: str, step: float = 0.02, parts: str = "") -> Hits:
+    """Hits on a line, `step` m apart, with a gap before each new letter, and a new part of the
+    outline with each new letter of `parts`, those of the groups by default."""
     count = len(groups)
     points = np.array([np.arange(count) * step, np.zeros(count)])
     first = np.array([i == 0 or groups[i] != groups[i - 1] for i in range(count)], dtype=bool)
-    return Hits(points, np.arange(count), first)
+    part = np.array([ord(letter) for letter in parts or groups], dtype=np.intp)
+    return Hits(points, np.arange(count), first, part)
 
 
 @pytest.mark.parametrize("yaw", [0.0, 1.0, -pi])
@@ -53,9 +56,11 @@ def test_groups_are_parted_by_gaps_and_not_by_the_first_ray(yaw: float) -> None:
     assert starts == {60, 66, COUNT - 5}
 
 
-def divided(groups: str, flags: str, claims: str, centre: float = 0.05, step: float = 0.02) -> str:
+def divided(
+    groups: str, flags: str, claims: str, centre: float = 0.05, step: float = 0.02, parts: str = ""
+) -> str:
     """Owners as text: 0..9 a known mover, n new, s stands. `claims` names movers or none (.)."""
-    hits = row_of(groups, step)
+    hits = row_of(groups, step, parts)
     around = look([], Pose2D(0.0, 0.0, 0.0))
     around.joined[: max(len(groups) - 1, 0)] = ~hits.first[1:]
     claimed = np.array([-1 if c == "." else int(c) for c in claims], dtype=np.intp)
@@ -109,13 +114,48 @@ def test_standing_hits_far_from_where_the_mover_should_be_are_none_of_its() -> N
 
 
 def test_what_comes_out_from_behind_a_mover_is_not_given_to_it() -> None:
-    """Moving hits more than 5 cm from its own, which no mover claims, are new; others are its."""
-    assert divided("a" * 9, "?????mmmm", "00000....", step=0.03) == "000000nnn"
-    assert divided("a" * 9, "?????????", "00000....", step=0.03) == "000000000"
+    """Moving hits more than 5 cm from its own, which no mover claims, are new; others are its, and
+    so is what goes on in one with its own, without a corner that points away."""
+    other = "aaaaabbbb"
+    assert divided("a" * 9, "?????mmmm", "00000....", step=0.03, parts=other) == "000000nnn"
+    assert divided("a" * 9, "?????????", "00000....", step=0.03, parts=other) == "000000000"
+    assert divided("a" * 9, "?????mmmm", "00000....", step=0.03) == "000000000"
 
 
 def test_a_wall_beside_a_mover_stands() -> None:
-    assert divided("a" * 12, "mmmm????ssss", "0000........", step=0.08) == "0000ssssssss"
+    wall = "aaaabbbbbbbb"
+    assert divided("a" * 12, "mmmm????ssss", "0000........", step=0.08) == "00000000ssss"
+    assert divided("a" * 12, "mmmm????ssss", "0000........", 0.05, 0.08, wall) == "0000ssssssss"
+    # A group no larger than a mover: what is known not to move is none of it.
+    assert divided("a" * 12, "mmmmmmm??sss", "0000000.....", parts="aaaaaaabbbbb") == "0000000sssss"
+
+
+def test_a_side_that_slides_along_itself_beside_a_wall_is_its_movers() -> None:
+    """Only the face across its way shows that it moves; the wall makes the group a large one."""
+    parts = "aaaaaabbbbbb"
+    assert divided("a" * 12, "mmssssssssss", "000000......", step=0.08, parts=parts) == (
+        "000000ssssss"
+    )
+    assert divided("a" * 12, "ssssssssssss", "000000......", step=0.08, parts=parts) == "s" * 12
+
+
+@pytest.mark.parametrize(
+    ("parts", "step", "moved"),
+    [
+        ("a" * 8, 0.02, "mmmmmmmm"),  # one body: all of it, though its side slides along itself
+        ("aaaabbbb", 0.02, "ssssmmmm"),  # the other part may be a wall
+        ("a" * 8, 0.15, "sssssssm"),  # a metre long: no mover
+    ],
+)
+def test_a_part_moves_as_a_whole_if_a_hit_comes_where_it_was_free(
+    parts: str, step: float, moved: str
+) -> None:
+    hits = row_of("a" * 8, step, parts)
+    intrudes = np.arange(8) == 7
+    found = moved_as_one(hits, flags_of("sssssssm"), intrudes, 0.7)
+    assert found.tolist() == flags_of(moved).tolist()
+    nowhere = moved_as_one(hits, flags_of("sssssssm"), np.zeros(8, dtype=bool), 0.7)
+    assert nowhere.tolist() == flags_of("sssssssm").tolist()
 
 
 def test_bounds_part_groups_and_owners() -> None:
