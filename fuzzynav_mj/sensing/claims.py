@@ -1,13 +1,17 @@
-"""Which hits known movers claim: those that lie on their outlines, carried on to this look."""
+"""Which hits known movers claim: those that lie on their outlines, carried on to this look; and
+which ones that were given to them, beside those, cannot be theirs."""
 
-from math import hypot
+from math import atan2, hypot
 
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.sensing.expected import Expected
-from fuzzynav_mj.sensing.segmentation import STANDS, STATIC, Hits
-from fuzzynav_mj.types import IntArray
+from fuzzynav_mj.sensing.looks import Look, ray_number
+from fuzzynav_mj.sensing.segmentation import MOVING, NEW, STANDS, STATIC, Hits
+from fuzzynav_mj.types import BoolArray, IntArray
+
+FEWEST = 2  # hits side by side that show another mover: a single one may sit on a corner
 
 
 @compiled
@@ -49,3 +53,63 @@ def claimed(
                     continue
             best, owners[i] = off, mover
     return owners
+
+
+@compiled
+def without_strangers(
+    hits: Hits,
+    flags: IntArray,
+    claims: IntArray,
+    owners: IntArray,
+    expected: Expected,
+    before: Look,
+    elapsed: float,
+) -> IntArray:
+    """(m,) the owners, without hits that came into view beside a mover and are not of it: had they
+    been there in the look before, rays that went by would have met them.
+
+    Args:
+        hits: m of them.
+        flags: (m,) MOVING, STATIC or UNKNOWN for each hit.
+        claims: (m,) number of the mover on whose expected outline it lies; `STANDS` for none.
+        owners: (m,) number of the mover that it was given to, `NEW` or `STANDS`.
+        expected: the movers.
+        before: the look before.
+        elapsed: s since then.
+    """
+    kept, count, begin = owners.copy(), len(owners), 0
+    strange = _were_free(hits, claims, owners, expected, before, elapsed)
+    while begin < count:
+        end = begin + 1
+        if strange[begin]:
+            while end < count and strange[end] and not hits.first[end]:
+                end += 1
+            if end - begin >= FEWEST:
+                moves = (flags[begin:end] == MOVING).any()
+                kept[begin:end] = NEW if moves else STANDS
+        begin = end
+    return kept
+
+
+@compiled
+def _were_free(
+    hits: Hits,
+    claims: IntArray,
+    owners: IntArray,
+    expected: Expected,
+    before: Look,
+    elapsed: float,
+) -> BoolArray:
+    """(m,) True for hits beside what a mover claims whose places, carried back by its motion, were
+    seen to be free; the arguments are those of `without_strangers`."""
+    free, rays = np.zeros(len(owners), dtype=np.bool_), len(before.ranges)
+    for i in range(len(owners)):
+        mover = owners[i]
+        if mover < 0 or claims[i] == mover or elapsed <= 0.0:
+            continue
+        x = hits.points[0, i] - elapsed * expected.velocity[mover, 0] - before.x
+        y = hits.points[1, i] - elapsed * expected.velocity[mover, 1] - before.y
+        ray = int(ray_number(atan2(y, x) - before.yaw, rays)) % rays
+        reach = min(before.ranges[ray], before.ranges[(ray + 1) % rays])
+        free[i] = hypot(x, y) < reach - expected.reach[mover]
+    return free

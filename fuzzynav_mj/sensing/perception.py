@@ -12,7 +12,7 @@ import numpy as np
 
 from fuzzynav_mj.disturbance import PERFECT, Disturbance
 from fuzzynav_mj.robot import RobotSpec
-from fuzzynav_mj.sensing.claims import claimed
+from fuzzynav_mj.sensing.claims import claimed, without_strangers
 from fuzzynav_mj.sensing.cleaning import clean_scan
 from fuzzynav_mj.sensing.expected import expected_outlines
 from fuzzynav_mj.sensing.flow import seen_to_move
@@ -146,6 +146,10 @@ class Perceiver:
         claims = claimed(hits, flags, expected, elapsed, still)
         flags = moved_as_one(hits, flags, intrudes, settings.mover_extent)
         owners = divide(hits, flags, claims, expected.centre, now, settings.mover_extent)
+        if previous is not None and self._tracks:
+            owners = without_strangers(
+                hits, flags, claims, owners, expected, previous, now.stamp - previous.stamp
+            )
         obstacles = self._obstacles(hits, flags, owners, now) + self._hidden(now)
         self._tracks = [track for track in self._tracks if track.missed <= FORGET_AFTER]
         return Perception(scan, obstacles, visibility)
