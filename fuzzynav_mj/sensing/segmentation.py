@@ -75,9 +75,7 @@ def moved_as_one(hits: Hits, flags: IntArray, intrudes: BoolArray, mover_extent:
     """
     moved, count, begin = flags.copy(), len(flags), 0
     while begin < count:
-        end = begin + 1
-        while end < count and hits.part[end] == hits.part[begin]:
-            end += 1
+        end = _part_end(hits.part, begin)
         if intrudes[begin:end].any() and _extent(hits.points[:, begin:end]) <= mover_extent:
             moved[begin:end] = MOVING
         begin = end
@@ -144,6 +142,15 @@ def divide(
 
 
 @compiled
+def _part_end(part: IntArray, begin: int) -> int:
+    """The hit after the last one of the part that begins at a hit."""
+    end = begin + 1
+    while end < len(part) and part[end] == part[begin]:
+        end += 1
+    return end
+
+
+@compiled
 def _moves_with(i: int, mover: int, owners: IntArray, flags: IntArray, part: IntArray) -> bool:
     """True if a hit of the same part as hit `i` moves and is a mover's; see `divide`."""
     for step in (1, -1):
@@ -207,9 +214,7 @@ def _stand_apart(owners: IntArray, flags: IntArray, part: IntArray) -> BoolArray
     count, begin = len(owners), 0
     apart = np.zeros(count, dtype=np.bool_)
     while begin < count:
-        end = begin + 1
-        while end < count and part[end] == part[begin]:
-            end += 1
+        end = _part_end(part, begin)
         stands = (flags[begin:end] == STATIC).any()
         apart[begin:end] = stands and not (owners[begin:end] >= 0).any()
         begin = end
