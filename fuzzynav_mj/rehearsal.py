@@ -89,7 +89,7 @@ def _rehearse_meetings(look: Look, max_range: float) -> None:
     """What is only done where movers hide or pass each other."""
     nobody = np.zeros(len(look.ranges), dtype=bool)
     outline = outline_around(look, nobody, look.x, look.y, max_range)
-    left_over(outline, nobody[: len(outline.joined)])
+    left_over(outline, np.arange(len(outline.joined)) == 0)
     misfit(outline, outline, 0.0, 0.0, max_range)
     hidden_part(outline.points, look, max_range, False)
     FreeSpace(look, [look]).strangers(np.zeros(4), outline, [outline])

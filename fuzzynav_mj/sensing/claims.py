@@ -1,17 +1,16 @@
 """Which hits known movers claim: those that lie on their outlines, carried on to this look; and
 which ones that were given to them, beside those, cannot be theirs."""
 
-from math import atan2, hypot
+from math import hypot
 
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.sensing.expected import Expected
-from fuzzynav_mj.sensing.looks import Look, ray_number
-from fuzzynav_mj.sensing.segmentation import MOVING, NEW, STANDS, STATIC, Hits
+from fuzzynav_mj.sensing.looks import Look, depth_behind
+from fuzzynav_mj.sensing.registration import FEWEST_STRAYS
+from fuzzynav_mj.sensing.segmentation import MOVING, NEW, STANDS, STATIC, Hits, run_bounds
 from fuzzynav_mj.types import BoolArray, IntArray
-
-FEWEST = 2  # hits side by side that show another mover: a single one may sit on a corner
 
 
 @compiled
@@ -77,17 +76,16 @@ def without_strangers(
         before: the look before.
         elapsed: s since then.
     """
-    kept, count, begin = owners.copy(), len(owners), 0
+    if elapsed <= 0.0:
+        return owners
+    kept = owners.copy()
     strange = _were_free(hits, claims, owners, expected, before, elapsed)
-    while begin < count:
-        end = begin + 1
-        if strange[begin]:
-            while end < count and strange[end] and not hits.first[end]:
-                end += 1
-            if end - begin >= FEWEST:
-                moves = (flags[begin:end] == MOVING).any()
-                kept[begin:end] = NEW if moves else STANDS
-        begin = end
+    bounds = run_bounds(hits.first, strange)
+    for k in range(len(bounds) - 1):
+        begin, end = bounds[k], bounds[k + 1]
+        if strange[begin] and end - begin >= FEWEST_STRAYS:
+            moves = (flags[begin:end] == MOVING).any()
+            kept[begin:end] = NEW if moves else STANDS
     return kept
 
 
@@ -102,14 +100,12 @@ def _were_free(
 ) -> BoolArray:
     """(m,) True for hits beside what a mover claims whose places, carried back by its motion, were
     seen to be free; the arguments are those of `without_strangers`."""
-    free, rays = np.zeros(len(owners), dtype=np.bool_), len(before.ranges)
+    free = np.zeros(len(owners), dtype=np.bool_)
     for i in range(len(owners)):
         mover = owners[i]
-        if mover < 0 or claims[i] == mover or elapsed <= 0.0:
+        if mover < 0 or claims[i] == mover:
             continue
-        x = hits.points[0, i] - elapsed * expected.velocity[mover, 0] - before.x
-        y = hits.points[1, i] - elapsed * expected.velocity[mover, 1] - before.y
-        ray = int(ray_number(atan2(y, x) - before.yaw, rays)) % rays
-        reach = min(before.ranges[ray], before.ranges[(ray + 1) % rays])
-        free[i] = hypot(x, y) < reach - expected.reach[mover]
+        x = hits.points[0, i] - elapsed * expected.velocity[mover, 0]
+        y = hits.points[1, i] - elapsed * expected.velocity[mover, 1]
+        free[i] = depth_behind(x, y, before) > expected.reach[mover]
     return free

@@ -55,8 +55,16 @@ def unexplained(
     state: FloatArray, outline: Outline, earlier: Outline, beliefs: Beliefs
 ) -> BoolArray:
     """(k,) True for hits that a mover of this state (6,) and earlier outline does not explain."""
-    gone = gone_since(state, outline.stamp - earlier.stamp)
-    return strays(outline, earlier, *gone, STRAY_REACH, STRAY + STRAY_NOISE * beliefs.noise)
+    return elsewhere(outline, earlier, *gone_since(state, outline.stamp - earlier.stamp), beliefs)
+
+
+def elsewhere(
+    outline: Outline, earlier: Outline, x: float, y: float, beliefs: Beliefs, unsure: float = 0.0
+) -> BoolArray:
+    """(k,) True for hits that do not lie on an earlier outline carried onward by (x, y), m, give or
+    take what is `unsure` of that."""
+    tolerance = STRAY + STRAY_NOISE * beliefs.noise + unsure
+    return strays(outline, earlier, x, y, STRAY_REACH, tolerance)
 
 
 def changed_at_once(

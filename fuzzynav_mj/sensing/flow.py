@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
-from fuzzynav_mj.sensing.looks import SAME_FACE, Look, ray_number
+from fuzzynav_mj.sensing.looks import SAME_FACE, Look, depth_behind, ray_number
 from fuzzynav_mj.sensing.segmentation import MOVING, STATIC, UNKNOWN, Hits
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
@@ -28,7 +28,7 @@ class PointFlow(NamedTuple):
             where that look is of the same time.
         distance: (f, m) how far the surface moved along `normals`, m, positive towards the robot.
         normals: (f, 2, m) unit normals of the earlier surface, towards the earlier pose.
-        intruding: (f, m) True where the hit lies well inside what was free space before.
+        intruding: (m,) True where the hit lies well inside what was free space in any of them.
         elapsed: (f,) s between the two looks.
         sigma: (f, m) uncertainty of `distance` that comes from the ranges', m.
     """
@@ -87,17 +87,14 @@ def _seen_to_move(
         known=np.empty(shape, dtype=np.bool_),
         distance=np.empty(shape),
         normals=np.empty((shape[0], 2, shape[1])),
-        intruding=np.empty(shape, dtype=np.bool_),
+        intruding=np.zeros(shape[1], dtype=np.bool_),
         elapsed=np.empty(count),
         sigma=np.empty(shape),
     )
     for row in range(count):
         flow.elapsed[row] = now.stamp - earlier[row].stamp
         _compare(hits, now, earlier[row], top_speed, margin, max_range, flow, row)
-    intrudes = np.zeros(len(hits.rays), dtype=np.bool_)
-    for row in range(count):
-        intrudes |= flow.intruding[row]
-    return _flags(flow, intrudes, still, certainty), intrudes
+    return _flags(flow, still, certainty), flow.intruding
 
 
 @compiled
@@ -138,12 +135,12 @@ def _compare(
         # Behind the earlier surface: either that one moved away, or it is still there and merely
         # hid this hit before. It has moved if the place where it was is seen to be free now.
         if known and moved < -LEVEL:
-            known = _depth_behind(surface_x, surface_y, now) > -0.5 * moved
+            known = depth_behind(surface_x, surface_y, now) > -0.5 * moved
         # Between two rays only what is nearer than both was certainly seen to be free.
         free = min(before.ranges[ray], before.ranges[(ray + 1) % count])
         flow.known[row, i], flow.distance[row, i], flow.sigma[row, i] = known, moved, sigma
         flow.normals[row, 0, i], flow.normals[row, 1, i] = nx, ny
-        flow.intruding[row, i] = distance < free - (margin + 2.0 * unsure)
+        flow.intruding[i] |= distance < free - (margin + 2.0 * unsure)
 
 
 @compiled
@@ -164,23 +161,13 @@ def _faces_along(nx: float, ny: float, ray: int, look: Look) -> bool:
 
 
 @compiled
-def _depth_behind(x: float, y: float, look: Look) -> float:
-    """How much farther than a point the look's rays reach beside it, m."""
-    count, dx, dy = len(look.ranges), x - look.x, y - look.y
-    ray = int(ray_number(atan2(dy, dx) - look.yaw, count))
-    reach: float = min(look.ranges[ray % count], look.ranges[(ray + 1) % count])
-    return reach - hypot(dx, dy)
-
-
-@compiled
-def _flags(flow: PointFlow, intrudes: BoolArray, still: float, certainty: float) -> IntArray:
+def _flags(flow: PointFlow, still: float, certainty: float) -> IntArray:
     """(m,) MOVING, STATIC or UNKNOWN for each hit, as far as it can be told.
 
     It moves if any comparison shows that: what turned back is where it was before.
 
     Args:
         flow: the comparisons.
-        intrudes: (m,) True for hits inside of what was free space.
         still: a surface that moved less than this stands still, m.
         certainty: standard deviations of noise beyond `still` that show motion.
     """
@@ -191,6 +178,6 @@ def _flags(flow: PointFlow, intrudes: BoolArray, still: float, certainty: float)
             if flags[i] != MOVING and flow.known[look, i]:
                 moved = abs(flow.distance[look, i]) > still + certainty * flow.sigma[look, i]
                 flags[i] = MOVING if moved else STATIC
-        if intrudes[i]:
+        if flow.intruding[i]:
             flags[i] = MOVING
     return flags

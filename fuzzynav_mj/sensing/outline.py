@@ -67,9 +67,13 @@ def outline_around(look: Look, taken: BoolArray, x: float, y: float, reach: floa
     return _drawn(look.stamp, look.points, look.joined, look.normals, rays, unknown)
 
 
-@compiled
 def left_over(outline: Outline, gone: BoolArray) -> Outline:
-    """The outline without the hits that are `gone` (k,)."""
+    """The outline without the hits that are `gone` (k,); itself if none are."""
+    return _left_over(outline, gone) if gone.any() else outline
+
+
+@compiled
+def _left_over(outline: Outline, gone: BoolArray) -> Outline:
     kept = (~gone).nonzero()[0]
     bounds = np.empty((2, len(kept)), dtype=np.bool_)
     for k in range(len(kept)):

@@ -24,13 +24,13 @@ from fuzzynav_mj.sensing.perceived import perceived
 from fuzzynav_mj.sensing.segmentation import (
     MOVING,
     NEW,
-    STANDS,
     STATIC,
     Hits,
     divide,
     drop_single,
     gather_hits,
     moved_as_one,
+    owners_anew,
     run_bounds,
 )
 from fuzzynav_mj.sensing.tracking import FORGET_AFTER, Track
@@ -137,9 +137,9 @@ class Perceiver:
         if self._unreliable:
             flags = drop_single(hits.first, flags)
             intrudes &= flags == MOVING
-        if previous is not None:
-            for track in self._tracks:
-                track.predict(now.stamp - previous.stamp)
+        since = 0.0 if previous is None else now.stamp - previous.stamp
+        for track in self._tracks:
+            track.predict(since)
         expected = expected_outlines(self._tracks, 2.0 * self._noise)
         elapsed = now.stamp - earlier[0].stamp if earlier else 0.0
         still = settings.still + settings.certainty * sqrt(2.0) * self._noise
@@ -147,9 +147,7 @@ class Perceiver:
         flags = moved_as_one(hits, flags, intrudes, settings.mover_extent)
         owners = divide(hits, flags, claims, expected.centre, now, settings.mover_extent)
         if previous is not None and self._tracks:
-            owners = without_strangers(
-                hits, flags, claims, owners, expected, previous, now.stamp - previous.stamp
-            )
+            owners = without_strangers(hits, flags, claims, owners, expected, previous, since)
         obstacles = self._obstacles(hits, flags, owners, now) + self._hidden(now)
         self._tracks = [track for track in self._tracks if track.missed <= FORGET_AFTER]
         return Perception(scan, obstacles, visibility)
@@ -164,10 +162,8 @@ class Perceiver:
             chosen = (owners == number).nonzero()[0]
             if len(chosen):
                 others = track.take_in(outline_of(hits, chosen, now), space, self._beliefs)
-                left = chosen[others]
-                parts_that_stand = hits.part[flags == STATIC]
-                stands = (flags[left] != MOVING) & np.isin(hits.part[left], parts_that_stand)
-                owners[left] = np.where(stands, STANDS, NEW)
+                if others.any():
+                    owners[chosen[others]] = owners_anew(hits, flags, chosen[others])
         lost = [track for track in known if track.missed == 1 and track.seen >= 2]
         taken = np.zeros(len(now.ranges), dtype=bool)
         taken[hits.rays[owners >= 0]] = True

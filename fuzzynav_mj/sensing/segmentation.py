@@ -40,24 +40,23 @@ def gather_hits(look: Look) -> Hits:
     points, rays = look.points, look.hit.nonzero()[0]
     count = len(rays)
     parted = np.empty(count, dtype=np.bool_)  # each hit from the next one
-    joined = np.empty(count, dtype=np.bool_)
+    beside = np.empty(count, dtype=np.bool_)  # on one surface with the next one
     start = 0
     for i in range(count):
         ray, after = rays[i], rays[(i + 1) % count]
         dx, dy = points[0, after] - points[0, ray], points[1, after] - points[1, ray]
-        beside = look.joined[ray] and after == (ray + 1) % len(look.hit)
-        parted[i] = not (dx * dx + dy * dy < GAP**2 or beside)
+        beside[i] = look.joined[ray] and after == (ray + 1) % len(look.hit)
+        parted[i] = not (dx * dx + dy * dy < GAP**2 or beside[i])
         if parted[i]:
             start = i + 1
     gathered, order = np.empty((2, count)), np.empty(count, dtype=np.intp)
-    first = np.empty(count, dtype=np.bool_)
+    first, joined = np.empty(count, dtype=np.bool_), np.empty(count, dtype=np.bool_)
     for i in range(count):
         k = (start + i) % count
         order[i] = rays[k]
         gathered[0, i], gathered[1, i] = points[0, rays[k]], points[1, rays[k]]
         first[i] = i == 0 or parted[k - 1]
-        beside = rays[(k + 1) % count] == (rays[k] + 1) % len(look.hit)
-        joined[i] = i + 1 < count and beside and look.joined[rays[k]]
+        joined[i] = i + 1 < count and beside[k]
     return Hits(gathered, order, first, convex_parts(gathered, joined))
 
 
@@ -73,12 +72,11 @@ def moved_as_one(hits: Hits, flags: IntArray, intrudes: BoolArray, mover_extent:
         intrudes: (m,) True for hits in former free space: no standing obstacle comes there.
         mover_extent: largest extent of a mover's visible side, m.
     """
-    moved, count, begin = flags.copy(), len(flags), 0
-    while begin < count:
-        end = _part_end(hits.part, begin)
+    moved, bounds = flags.copy(), run_bounds(hits.first, hits.part)
+    for k in range(len(bounds) - 1):
+        begin, end = bounds[k], bounds[k + 1]
         if intrudes[begin:end].any() and _extent(hits.points[:, begin:end]) <= mover_extent:
             moved[begin:end] = MOVING
-        begin = end
     return moved
 
 
@@ -125,7 +123,9 @@ def divide(
                     owners[i] = STANDS
             known += owners[i] >= 0
         if known > 0:
-            apart = _stand_apart(owners[begin:end], flags[begin:end], hits.part[begin:end])
+            apart = _stand_apart(
+                hits.first[begin:end], hits.part[begin:end], flags[begin:end], owners[begin:end]
+            )
             _spread(hits, flags[begin:end], owners[begin:end], apart, begin, look)
             if small:
                 _share(owners[begin:end], flags[begin:end], apart)
@@ -141,31 +141,33 @@ def divide(
     return owners
 
 
-@compiled
-def _part_end(part: IntArray, begin: int) -> int:
-    """The hit after the last one of the part that begins at a hit."""
-    end = begin + 1
-    while end < len(part) and part[end] == part[begin]:
-        end += 1
-    return end
+def owners_anew(hits: Hits, flags: IntArray, left: IntArray) -> IntArray:
+    """(k,) `NEW` or `STANDS` for hits that their mover's motion does not explain: one that is not
+    seen to move stands if something in its part of the outline does.
+
+    Args:
+        hits: m of them.
+        flags: (m,) MOVING, STATIC or UNKNOWN for each hit.
+        left: (k,) numbers of those that need an owner.
+    """
+    standing = hits.part[flags == STATIC]
+    stands = (flags[left] != MOVING) & np.isin(hits.part[left], standing)
+    return np.where(stands, STANDS, NEW)
 
 
 @compiled
 def _moves_with(i: int, mover: int, owners: IntArray, flags: IntArray, part: IntArray) -> bool:
     """True if a hit of the same part as hit `i` moves and is a mover's; see `divide`."""
-    for step in (1, -1):
-        k = i + step
-        while 0 <= k < len(part) and part[k] == part[i]:
-            if owners[k] == mover and flags[k] == MOVING:
-                return True
-            k += step
+    for k in range(len(part)):
+        if part[k] == part[i] and owners[k] == mover and flags[k] == MOVING:
+            return True
     return False
 
 
 @compiled
-def run_bounds(first: BoolArray, owners: IntArray) -> IntArray:
+def run_bounds(first: BoolArray, owners: IntArray | BoolArray) -> IntArray:
     """(k + 1,) the first hit of each obstacle, hits side by side in one group with one owner; and
-    the number of hits."""
+    the number of hits. The same for runs of hits with anything else in common, as a part."""
     count = len(owners)
     bounds, number = np.empty(count + 1, dtype=np.intp), 0
     for i in range(count):
@@ -196,8 +198,8 @@ def _spread(
                 beside = i
                 continue
             before = i - step
-            other = apart[i] and flags[i] != MOVING
-            if beside < 0 or flags[i] == STATIC or other or owners[before] != owners[beside]:
+            standing = apart[i] or flags[i] == STATIC
+            if beside < 0 or standing or owners[before] != owners[beside]:
                 continue
             dx = hits.points[0, begin + i] - hits.points[0, begin + beside]
             dy = hits.points[1, begin + i] - hits.points[1, begin + beside]
@@ -208,16 +210,15 @@ def _spread(
 
 
 @compiled
-def _stand_apart(owners: IntArray, flags: IntArray, part: IntArray) -> BoolArray:
-    """(k,) True for hits in a part of the outline in which something stands and no mover claims
-    anything; the arguments are of the hits of one group."""
-    count, begin = len(owners), 0
-    apart = np.zeros(count, dtype=np.bool_)
-    while begin < count:
-        end = _part_end(part, begin)
+def _stand_apart(first: BoolArray, part: IntArray, flags: IntArray, owners: IntArray) -> BoolArray:
+    """(k,) True for hits of a group that are not seen to move, in a part of the outline in which
+    something stands and no mover owns anything."""
+    apart, bounds = np.zeros(len(part), dtype=np.bool_), run_bounds(first, part)
+    for k in range(len(bounds) - 1):
+        begin, end = bounds[k], bounds[k + 1]
         stands = (flags[begin:end] == STATIC).any()
-        apart[begin:end] = stands and not (owners[begin:end] >= 0).any()
-        begin = end
+        if stands and not (owners[begin:end] >= 0).any():
+            apart[begin:end] = flags[begin:end] != MOVING
     return apart
 
 

@@ -12,17 +12,16 @@ from math import atan2, cos, hypot, inf, sin, sqrt
 import numpy as np
 
 from fuzzynav_mj.sensing.corners import (
-    STRAY,
-    STRAY_NOISE,
     STRAY_REACH,
     changed_at_once,
+    elsewhere,
     explains_most,
     turned_at_once,
     unexplained,
 )
 from fuzzynav_mj.sensing.free_space import FreeSpace
 from fuzzynav_mj.sensing.outline import Outline, in_one, left_over
-from fuzzynav_mj.sensing.registration import misfit, strays
+from fuzzynav_mj.sensing.registration import misfit
 from fuzzynav_mj.sensing.velocity_filter import (
     LARGEST_ACCELERATION,
     LARGEST_REACH,
@@ -147,7 +146,12 @@ class Track:
     @property
     def expected_outline(self) -> FloatArray:
         """(2, k) the fullest outline where it should be now, world frame, m."""
-        return self.fullest.points + (self.shift + self.state[4:])[:, None]
+        return self.fullest.points + self._since_fullest[:, None]
+
+    @property
+    def _since_fullest(self) -> FloatArray:
+        """(2,) how far it has gone since the fullest outline was seen, m."""
+        return self.shift + self.state[4:]
 
     def predict(self, elapsed: float) -> None:
         """Carries the belief on to the next look."""
@@ -180,19 +184,18 @@ class Track:
         others = self._unexplained(state, outline, beliefs)
         explained = explains_most(others)
         if not explained:
-            elsewhere = self._unlike_fullest(outline, beliefs)
-            if explains_most(elsewhere):
+            strange = self._unlike_fullest(outline, beliefs)
+            if explains_most(strange):
                 # It comes out from behind something with another side: seen, but not learnt from.
-                own = left_over(outline, elsewhere) if elsewhere.any() else outline
-                self._go_on(own, self.state, self.covariance)
-                return elsewhere
-        if not explained or self._contradicted(state, outline, space):
-            strange = self.turn(outline, space, beliefs)
-            if strange is not None:
+                self._go_on(left_over(outline, strange), self.state, self.covariance)
                 return strange
+        if not explained or self._contradicted(state, outline, space):
+            turned = self.turn(outline, space, beliefs)
+            if turned is not None:
+                return turned
         if not explained:
             return np.ones(len(others), dtype=bool)
-        own = left_over(outline, others) if others.any() else outline
+        own = left_over(outline, others)
         strange, anew = space.strangers(state, own, self._shown)
         if strange.any():
             others[np.flatnonzero(~others)[strange]] = True
@@ -216,7 +219,7 @@ class Track:
         self.outlines.clear()
         self.straight_since = outline.stamp
         self.state, self.covariance = turned.state, turned.covariance
-        self._note(left_over(outline, turned.others) if turned.others.any() else outline)
+        self._note(left_over(outline, turned.others))
         return turned.others
 
     def _go_on(self, outline: Outline, state: FloatArray, covariance: FloatArray) -> None:
@@ -272,9 +275,8 @@ class Track:
     def _unlike_fullest(self, outline: Outline, beliefs: Beliefs) -> BoolArray:
         """(k,) True for hits that do not lie where the fullest outline should be now."""
         unsure = 2.0 * sqrt(max(self.covariance[4, 4], self.covariance[5, 5]))
-        x, y = (self.shift + self.state[4:]).tolist()
-        tolerance = STRAY + STRAY_NOISE * beliefs.noise + unsure
-        return strays(outline, self.fullest, x, y, STRAY_REACH, tolerance)
+        x, y = self._since_fullest.tolist()
+        return elsewhere(outline, self.fullest, x, y, beliefs, unsure)
 
     def _forget_outlines(self) -> None:
         """Forgets which outlines are its own."""
