@@ -14,7 +14,7 @@ import numpy as np
 from fuzzynav_mj.disturbance import Disturbance
 from fuzzynav_mj.episode import run_episode
 from fuzzynav_mj.fuzzy.risk import RiskGate
-from fuzzynav_mj.planners.evasion import FIRST_MOVE
+from fuzzynav_mj.planners.evasion import FIRST_MOVES
 from fuzzynav_mj.planners.motions import moves_after
 from fuzzynav_mj.planners.multilayer import MultilayerPlanner
 from fuzzynav_mj.planners.settings import GuidanceSettings
@@ -101,4 +101,4 @@ def _rehearse_ways(sight: Sight, spec: RobotSpec) -> None:
     ways = straight_ways_in(sight, settings)
     ways = replace(ways, open=np.ones(len(ways.open), dtype=bool))
     way_beside_walls(0, np.array([9.0, 0.0]), sight, ways, walls_in_sight(sight), settings)
-    moves_after(np.zeros((1, FIRST_MOVE, 3)), spec)
+    moves_after(np.zeros((1, min(FIRST_MOVES), 3)), spec)

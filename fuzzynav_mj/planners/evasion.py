@@ -1,8 +1,8 @@
 """Ways out of a pinch, in two moves.
 
 Where no candidate keeps its margins, none of them may last: each holds one direction. Here the most
-lasting ones are driven for a while, and then any candidate from there; what a first move is worth
-is the best of its second ones.
+lasting ones are driven for a while, short or long, and then any candidate from there; what a first
+move is worth is the best of its second ones. Pinches are rare, so the search may take its time.
 """
 
 import numpy as np
@@ -16,8 +16,8 @@ from fuzzynav_mj.planners.settings import DecisionSettings
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.types import FloatArray
 
-FIRST_MOVE = 4  # decision periods
-TRIED = 8  # first moves
+FIRST_MOVES = (2, 4, 7)  # decision periods that a first move may take
+TRIED = 40  # first moves
 
 
 def lasting(
@@ -43,14 +43,15 @@ def lasting(
     )
     tried = np.argsort(-lasts, kind="stable")[:TRIED]
     tried = tried[lasts[tried] >= 0.0]
-    moves = moves_after(np.ascontiguousarray(first.poses[tried, :FIRST_MOVE]), spec)
-    second = look_ahead(moves, scene.later(FIRST_MOVE), spec, settings)
-    each = len(moves.speed) // len(tried)
-    before = np.repeat(first.alive[tried, :FIRST_MOVE], each, axis=0)
-    alive = np.concatenate((before, before[:, -1:] * second.alive), axis=1)
-    then = _periods(second.poses[:, JUDGED - FIRST_MOVE - 1], alive, passing, yaw)
-    best = np.where(second.static_ok, then, -1.0).reshape(len(tried), each).max(axis=1)
-    lasts[tried] = np.maximum(lasts[tried], best)
+    for length in FIRST_MOVES:
+        moves = moves_after(np.ascontiguousarray(first.poses[tried, :length]), spec)
+        second = look_ahead(moves, scene.later(length), spec, settings)
+        each = len(moves.speed) // len(tried)
+        before = np.repeat(first.alive[tried, :length], each, axis=0)
+        alive = np.concatenate((before, before[:, -1:] * second.alive), axis=1)
+        then = _periods(second.poses[:, JUDGED - length - 1], alive, passing, yaw)
+        best = np.where(second.static_ok, then, -1.0).reshape(len(tried), each).max(axis=1)
+        lasts[tried] = np.maximum(lasts[tried], best)
     return lasts
 
 

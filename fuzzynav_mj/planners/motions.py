@@ -22,7 +22,6 @@ from fuzzynav_mj.planners.headings import (
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray, Twist2D
 
-SECOND_EVERY = 3  # so few of the candidates tell what a second move can do
 FORWARD_SPEEDS = (1.0, 0.5, 0.2)  # fractions of the top speed
 REVERSE_SPEEDS = (1.0, 0.4)
 
@@ -81,8 +80,8 @@ def candidate_motions(wanted: float, twist: Twist2D, spec: RobotSpec) -> Motions
 
 
 def moves_after(first: FloatArray, spec: RobotSpec) -> Motions:
-    """Candidates, one of every `SECOND_EVERY` straight ahead, from where first moves end, those of
-    each after those of the one before.
+    """Candidates around straight ahead from where first moves end, those of each after those of the
+    one before.
 
     Args:
         first: (p, k, 3) the first moves' poses in the periods that they take, at least two.
@@ -92,21 +91,19 @@ def moves_after(first: FloatArray, spec: RobotSpec) -> Motions:
         Candidates through the HORIZON - k periods that are left.
     """
     aims, table = _aims(spec), headings(spec)
-    # Copies, for compiled functions are made anew for every layout.
-    turn, aim = aims.turn[::SECOND_EVERY].copy(), aims.speed[::SECOND_EVERY].copy()
     poses, facing, speeds, direction = _drive_on(
-        first, table.courses, table.rate, turn, aim, spec.decision_period, spec.max_acceleration,
-        table.span, table.whole[: HORIZON - first.shape[1]],
+        first, table.courses, table.rate, aims.turn, aims.speed, spec.decision_period,
+        spec.max_acceleration, table.span, table.whole[: HORIZON - first.shape[1]],
     )  # fmt: skip
     count = len(first)
     return Motions(
         poses,
         facing,
         speeds,
-        np.tile(aim, count),
+        np.tile(aims.speed, count),
         direction,
-        np.tile(aims.brake_steps[::SECOND_EVERY], count),
-        np.tile(aims.on_the_spot[::SECOND_EVERY], count),
+        np.tile(aims.brake_steps, count),
+        np.tile(aims.on_the_spot, count),
     )
 
 

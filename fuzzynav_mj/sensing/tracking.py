@@ -40,6 +40,7 @@ CLAIM = 0.03  # m between a hit and a mover's outline that claims it, besides wh
 SAME_MOVER = 3.0  # squared standard deviations between velocities that may be one
 SAME_MOVER_MISFIT = 0.006  # m by which one velocity may miss both outlines
 WHOLE = 0.6  # of the most hits that an outline must have to count as a full one
+HALF_BELIEVED = 1.5  # rad/s: of a turn known to no better than this, half is believed
 OUTLINE_TIME = 1.0  # s after which an outline, however full, is too old
 
 NOTHING = Outline(
@@ -106,13 +107,16 @@ class Track:
 
     @property
     def turn_rate(self) -> float:
-        """Rate at which the velocity turns, rad/s."""
+        """Rate at which the velocity turns, rad/s. What is little known of it counts less."""
         vx, vy, ax, ay = self.state[:4].tolist()
         squared = vx * vx + vy * vy
         if squared < 1e-4:
             return 0.0
+        (xx, xy), (_, yy) = self.covariance[2:4, 2:4].tolist()
+        variance = (vx * vx * yy - 2.0 * vx * vy * xy + vy * vy * xx) / squared**2
+        believed = 1.0 / (1.0 + (variance / HALF_BELIEVED**2) ** 2)
         largest = LARGEST_ACCELERATION / squared**0.5
-        return float(min(max((vx * ay - vy * ax) / squared, -largest), largest))
+        return believed * float(min(max((vx * ay - vy * ax) / squared, -largest), largest))
 
     @property
     def speed_sigma(self) -> float:

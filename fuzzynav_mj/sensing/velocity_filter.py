@@ -20,7 +20,8 @@ from fuzzynav_mj.sensing.registration import hold_against
 from fuzzynav_mj.types import FloatArray
 
 FIRST_SPEED_SIGMA = 0.3  # m/s: what is believed of a mover before its motion is measured
-ACCELERATION_SIGMA = 0.6  # m/s2: how strongly movers are believed to change their velocity
+ACCELERATION_SIGMA = 0.6  # m/s2: how strongly movers are believed to change their velocity, ...
+TURNING_SIGMA = 1.2  # rad/s: ... slow ones no more than by turning as fast as this
 LARGEST_ACCELERATION = 1.2  # m/s2
 ACCELERATION_TIME = 1.0  # s: how long an acceleration is believed to last
 SPEEDING_SIGMA = 0.3  # m/s2: how strongly movers are believed to change their speed ...
@@ -95,11 +96,12 @@ def gone_since(state: FloatArray, elapsed: float) -> tuple[float, float]:
 
 
 @compiled
-def _jerk(elapsed: float) -> float:
-    """Power of the white noise, m2/s5, by which fading accelerations stay as large as they are
-    believed to be."""
+def _jerk(elapsed: float, speed: float) -> float:
+    """Power of the white noise, m2/s5, by which the fading accelerations of a mover of this speed
+    stay as large as they are believed to be."""
     fade = exp(-elapsed / ACCELERATION_TIME)
-    return ACCELERATION_SIGMA**2 * (1.0 - fade * fade) / max(elapsed, 1e-9)
+    sigma = min(ACCELERATION_SIGMA, TURNING_SIGMA * speed)
+    return sigma**2 * (1.0 - fade * fade) / max(elapsed, 1e-9)
 
 
 @compiled
@@ -109,7 +111,10 @@ def carried_on(
     """State (6,) and covariance (6, 6) some seconds later: the acceleration fades, and changes by
     white noise of its rate meanwhile."""
     model, noise = np.eye(STATE), np.zeros((STATE, STATE))
-    fade, rate, t = exp(-elapsed / ACCELERATION_TIME), _jerk(elapsed), elapsed
+    fade, t = exp(-elapsed / ACCELERATION_TIME), elapsed
+    # What may be fast, as far as is known, may change as much as what is.
+    squared = state[0] ** 2 + state[1] ** 2 + covariance[0, 0] + covariance[1, 1]
+    rate = _jerk(elapsed, sqrt(squared))
     for v in range(2):
         a, d = v + 2, v + 4
         model[v, a], model[a, a], model[d, v], model[d, a] = t, fade, t, t**2 / 2
@@ -178,7 +183,8 @@ def _add_surface(
     variance = beliefs.flow_sigma**2 * crowd + 2.0 * beliefs.noise**2
     if not last:
         # All hits are led astray alike by what the acceleration changed in between.
-        variance += shift.known.sum() * _jerk(elapsed) * elapsed**5 / 20.0
+        speed = hypot(fit.guess[0], fit.guess[1])
+        variance += shift.known.sum() * _jerk(elapsed, speed) * elapsed**5 / 20.0
     spread = (beliefs.outlier * elapsed) ** 2
     for i in range(len(shift.known)):
         if shift.known[i]:

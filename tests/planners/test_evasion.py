@@ -3,6 +3,7 @@
 from math import pi
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from point_scene import SETTINGS, scene_of
@@ -31,22 +32,29 @@ def alone(found: Outlook) -> FloatArray:
     return np.where(found.static_ok, found.alive.sum(axis=1), -1.0)
 
 
-def test_first_along_a_closing_lane_and_then_aside() -> None:
-    """Movers leave a lane until 0.8 s, and from 1.4 s on fill all but what lies to the left of it:
-    no single direction is sure to last, but along the lane and then aside is."""
+@pytest.mark.parametrize(
+    ("closes", "filled", "alone_at_most", "at_least"),
+    [(3, 6, 6.5, 8.4), (8, 13, 13.0, 15.5), (10, 14, 14.0, 15.1)],
+    ids=["a short first move", "one of middle length", "a long one"],
+)
+def test_first_along_a_closing_lane_and_then_aside(
+    closes: int, filled: int, alone_at_most: float, at_least: float
+) -> None:
+    """Movers leave a lane for some periods, and later fill all but what lies to the left of it: no
+    single direction is sure to last, but along the lane and then aside is."""
     x = np.arange(-1.0, 1.0, 0.04)
     lane = np.concatenate([np.stack((x, np.full(len(x), side)), axis=1) for side in (0.28, -0.28)])
-    filled = np.concatenate(
+    block = np.concatenate(
         [np.stack((x, np.full(len(x), y)), axis=1) for y in np.arange(-0.3, 0.1, 0.04)]
     )
     away = 9.0
-    expected = np.full((OUTLOOK, len(lane) + len(filled), 2), away)
-    expected[:8, : len(lane)] = lane
-    expected[13:, len(lane) :] = filled
+    expected = np.full((OUTLOOK, len(lane) + len(block), 2), away)
+    expected[:closes, : len(lane)] = lane
+    expected[filled:, len(lane) :] = block
     found, scene = pinch(expected, np.empty((0, 2)))
     assert found.alive[:, -1].max() < 0.5
     lasts = lasting(found, scene, None, 0.0, SPEC, SETTINGS)
-    assert alone(found).max() < 13.5 and lasts.max() > 15.5
+    assert alone(found).max() <= alone_at_most + 0.01 and lasts.max() > at_least
 
 
 @settings(max_examples=20, deadline=None)

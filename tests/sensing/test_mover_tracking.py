@@ -82,11 +82,12 @@ def test_a_prediction_drives_the_state_on() -> None:
     assert track.missed == 1
 
 
-def spread_of_futures(elapsed: float, steps: int = 2000) -> FloatArray:
-    """(3, 3) covariance of way, velocity and acceleration of a mover that stood still, by adding up
-    what white noise of the acceleration's rate in each short step leads to."""
+def spread_of_futures(sigma: float, elapsed: float, steps: int = 2000) -> FloatArray:
+    """(3, 3) covariance of way, velocity and acceleration of a mover that was known for certain, by
+    adding up what white noise of the acceleration's rate, that keeps up accelerations of `sigma`
+    (m/s2), leads to in each short step."""
     fade = exp(-elapsed / ACCELERATION_TIME)
-    power = ACCELERATION_SIGMA**2 * (1.0 - fade**2) / elapsed
+    power = sigma**2 * (1.0 - fade**2) / elapsed
     step = elapsed / steps
     left = elapsed - step * (np.arange(steps) + 0.5)
     led_to = np.stack((left**2 / 2, left, np.ones(steps)))
@@ -95,17 +96,22 @@ def spread_of_futures(elapsed: float, steps: int = 2000) -> FloatArray:
 
 
 @pytest.mark.parametrize("elapsed", [0.1, 0.3, 0.8])
-def test_a_prediction_doubts_what_changes_meanwhile(elapsed: float) -> None:
-    _, covariance = carried_on(np.zeros(6), np.zeros((6, 6)), elapsed)
+@pytest.mark.parametrize(("speed", "sigma"), [(0.7, ACCELERATION_SIGMA), (0.2, 0.24), (0.0, 0.0)])
+def test_a_prediction_doubts_what_changes_meanwhile(
+    speed: float, sigma: float, elapsed: float
+) -> None:
+    """Slow movers change their velocity by turning at some 1.2 rad/s, not as strongly as fast ones."""
+    state = np.array([0.6 * speed, 0.8 * speed, 0.0, 0.0, 0.0, 0.0])
+    _, covariance = carried_on(state, np.zeros((6, 6)), elapsed)
     for axis in (0, 1):
         chosen = [axis + 4, axis, axis + 2]
         found = covariance[np.ix_(chosen, chosen)]
-        np.testing.assert_allclose(found, spread_of_futures(elapsed), rtol=1e-5, atol=2e-10)
+        np.testing.assert_allclose(found, spread_of_futures(sigma, elapsed), rtol=1e-5, atol=2e-10)
     assert not covariance[0::2, 1::2].any()
 
 
 def test_what_is_believed_of_accelerations_stays_as_strong() -> None:
-    state, covariance = np.zeros(6), np.zeros((6, 6))
+    state, covariance = np.array([0.7, 0.0, 0.0, 0.0, 0.0, 0.0]), np.zeros((6, 6))
     covariance[2, 2] = covariance[3, 3] = ACCELERATION_SIGMA**2
     for _ in range(5):
         state, covariance = carried_on(state, covariance, PERIOD)
@@ -146,6 +152,20 @@ def test_a_turn_is_seen_within_four_looks(rate: float) -> None:
     track, velocity = followed_round(CORNER, CORNER, rate, looks=4)
     np.testing.assert_allclose(track.velocity, velocity, atol=0.01)
     assert track.turn_rate == pytest.approx(rate, rel=0.2)
+
+
+@pytest.mark.parametrize(
+    ("unsure", "believed"), [(0.0, 1.0), (0.75, 16 / 17), (1.5, 0.5), (3.0, 1 / 17)]
+)
+def test_a_turn_of_which_little_is_known_counts_less(unsure: float, believed: float) -> None:
+    """Half of a turn is believed that is known to 1.5 rad/s, and the less the less is known."""
+    track = Track.begin(np.zeros(2))
+    speed, turn, bearing = 0.1, 0.8, 0.7
+    along = np.array([cos(bearing), sin(bearing)])
+    across = np.array([-sin(bearing), cos(bearing)])
+    track.state[:4] = [*(speed * along), *(speed * turn * across)]
+    track.covariance[2:4, 2:4] = (speed * unsure) ** 2 * np.outer(across, across)
+    assert track.turn_rate == pytest.approx(believed * turn)
 
 
 @pytest.mark.parametrize("rate", [-1.5, 1.5])
