@@ -116,7 +116,7 @@ class Track:
         variance = (vx * vx * yy - 2.0 * vx * vy * xy + vy * vy * xx) / squared**2
         believed = 1.0 / (1.0 + (variance / HALF_BELIEVED**2) ** 2)
         largest = LARGEST_ACCELERATION / squared**0.5
-        return believed * float(min(max((vx * ay - vy * ax) / squared, -largest), largest))
+        return float(believed * min(max((vx * ay - vy * ax) / squared, -largest), largest))
 
     @property
     def speed_sigma(self) -> float:

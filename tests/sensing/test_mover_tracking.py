@@ -100,7 +100,7 @@ def spread_of_futures(sigma: float, elapsed: float, steps: int = 2000) -> FloatA
 def test_a_prediction_doubts_what_changes_meanwhile(
     speed: float, sigma: float, elapsed: float
 ) -> None:
-    """Slow movers change their velocity by turning at some 1.2 rad/s, not as strongly as fast ones."""
+    """Slow movers change their velocity by turning at some 1.2 rad/s, no more than that."""
     state = np.array([0.6 * speed, 0.8 * speed, 0.0, 0.0, 0.0, 0.0])
     _, covariance = carried_on(state, np.zeros((6, 6)), elapsed)
     for axis in (0, 1):
