@@ -34,6 +34,7 @@ from fuzzynav_mj.sensing.segmentation import (
     run_bounds,
 )
 from fuzzynav_mj.sensing.tracking import FORGET_AFTER, Track
+from fuzzynav_mj.sensing.uniting import absorb, are_one
 from fuzzynav_mj.sensing.velocity_filter import Beliefs
 from fuzzynav_mj.sensing.visibility import visibility_matrix
 from fuzzynav_mj.types import (
@@ -232,15 +233,14 @@ class Perceiver:
         return track
 
     def _unite(self, spans: list[tuple[int, int]], tracks: list[Track | None], hits: Hits) -> None:
-        """Makes one track of two that are faces of one mover: of each alone the motion along
-        itself is hardly known."""
+        """Makes one track of two that are faces of one mover."""
         for index in range(1, len(spans)):
             one, other = tracks[index - 1], tracks[index]
             beside = not hits.first[spans[index][0]]
             if one is None or other is None or one is other or not beside:
                 continue
-            if min(one.seen, other.seen) >= SETTLED and one.agrees(other):
-                one.absorb(other)
+            if min(one.seen, other.seen) >= SETTLED and are_one(one, other):
+                absorb(one, other)
                 self._tracks.remove(other)
                 tracks[:] = [one if track is other else track for track in tracks]
 

@@ -12,7 +12,6 @@ from math import atan2, cos, hypot, inf, sin, sqrt
 import numpy as np
 
 from fuzzynav_mj.sensing.corners import (
-    STRAY_REACH,
     changed_at_once,
     elsewhere,
     explains_most,
@@ -20,14 +19,12 @@ from fuzzynav_mj.sensing.corners import (
     unexplained,
 )
 from fuzzynav_mj.sensing.free_space import FreeSpace
-from fuzzynav_mj.sensing.outline import Outline, in_one, left_over
-from fuzzynav_mj.sensing.registration import misfit
+from fuzzynav_mj.sensing.outline import Outline, left_over
 from fuzzynav_mj.sensing.velocity_filter import (
     LARGEST_ACCELERATION,
     LARGEST_REACH,
     Beliefs,
     carried_on,
-    gone_since,
     nothing_known,
     squared_sigmas,
     taken_in,
@@ -37,8 +34,6 @@ from fuzzynav_mj.types import BoolArray, FloatArray
 FORGET_AFTER = 8  # looks without a hit
 REMEMBERED = 2  # looks whose outlines are kept
 CLAIM = 0.03  # m between a hit and a mover's outline that claims it, besides what is uncertain
-SAME_MOVER = 3.0  # squared standard deviations between velocities that may be one
-SAME_MOVER_MISFIT = 0.006  # m by which one velocity may miss both outlines
 WHOLE = 0.6  # of the most hits that an outline must have to count as a full one
 HALF_BELIEVED = 1.5  # rad/s: of a turn known to no better than this, half is believed
 OUTLINE_TIME = 1.0  # s after which an outline, however full, is too old
@@ -285,44 +280,3 @@ class Track:
     def _forget_outlines(self) -> None:
         """Forgets which outlines are its own."""
         self.fullest, self.most, self.seen = NOTHING, 0, 0
-
-    def agrees(self, other: "Track") -> bool:
-        """True if one velocity explains what both have seen."""
-        both = self.covariance[:2, :2] + other.covariance[:2, :2]
-        off = self.velocity - other.velocity
-        if off @ np.linalg.solve(both, off) >= SAME_MOVER:
-            return False
-        state, _ = self._with(other)
-        return all(_misses(track, state) < SAME_MOVER_MISFIT for track in (self, other))
-
-    def absorb(self, other: "Track") -> None:
-        """Takes in what is known of a mover that turned out to be the same one, seen after it in
-        the order of the rays."""
-        self.state, self.covariance = self._with(other)
-        later = {outline.stamp: outline for outline in other.outlines}
-        for number, outline in enumerate(self.outlines):
-            if outline.stamp in later:
-                self.outlines[number] = in_one(outline, later[outline.stamp])
-        self.fullest = self.outlines[-1]
-        self.most = len(self.fullest.joined)
-        self.shift = np.zeros(2)
-        self.centre = self.fullest.points.mean(axis=1)
-        self.seen = max(self.seen, other.seen)
-
-    def _with(self, other: "Track") -> tuple[FloatArray, FloatArray]:
-        """State and covariance in the light of both."""
-        mine = np.linalg.inv(self.covariance[:4, :4])
-        theirs = np.linalg.inv(other.covariance[:4, :4])
-        state, covariance = np.zeros(6), np.zeros((6, 6))
-        covariance[:4, :4] = np.linalg.inv(mine + theirs)
-        state[:4] = covariance[:4, :4] @ (mine @ self.state[:4] + theirs @ other.state[:4])
-        return state, covariance
-
-
-def _misses(track: Track, state: FloatArray) -> float:
-    """By how much a motion misses the last outline of a track, m; inf if that cannot be told."""
-    if len(track.outlines) < 2:
-        return inf
-    now, before = track.outlines[-1], track.outlines[-2]
-    gone = gone_since(state, now.stamp - before.stamp)
-    return misfit(now, before, *gone, STRAY_REACH)

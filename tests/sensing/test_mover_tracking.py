@@ -12,6 +12,7 @@ from fuzzynav_mj.sensing.looks import take_look
 from fuzzynav_mj.sensing.outline import Outline, in_one
 from fuzzynav_mj.sensing.perception import Perceiver
 from fuzzynav_mj.sensing.tracking import Track
+from fuzzynav_mj.sensing.uniting import absorb, are_one
 from fuzzynav_mj.sensing.velocity_filter import (
     ACCELERATION_SIGMA,
     ACCELERATION_TIME,
@@ -270,8 +271,8 @@ def test_nothing_is_learnt_from_an_outline_that_the_motion_does_not_explain() ->
 def test_two_faces_of_one_mover_become_one_track() -> None:
     velocity = np.array([0.3, 0.2])
     one, other = followed(CORNER[:2], velocity, 8), followed(CORNER[1:], velocity, 8)
-    assert one.agrees(other)
-    one.absorb(other)
+    assert are_one(one, other)
+    absorb(one, other)
     np.testing.assert_allclose(one.velocity, velocity, atol=0.01)
     assert one.expected_outline.shape[1] == 8 + 10
 
@@ -279,7 +280,7 @@ def test_two_faces_of_one_mover_become_one_track() -> None:
 def test_faces_of_two_movers_stay_two_tracks() -> None:
     one = followed(CORNER, np.array([0.3, 0.2]), 8)
     other = followed(CORNER[1:], np.array([-0.1, 0.2]), 8)
-    assert not one.agrees(other)
+    assert not are_one(one, other)
 
 
 def test_the_fullest_outline_is_carried_on_while_part_of_it_is_hidden() -> None:
