@@ -4,71 +4,19 @@ from math import cos, exp, hypot, pi, sin
 
 import numpy as np
 import pytest
+from made_outlines import BELIEFS, CORNER, FACE, PERIOD, followed, look_at, outline
 
 from fuzzynav_mj.robot import DEFAULT_ROBOT
-from fuzzynav_mj.sensing.free_space import FreeSpace
 from fuzzynav_mj.sensing.lidar import ray_bearings
-from fuzzynav_mj.sensing.looks import take_look
-from fuzzynav_mj.sensing.outline import Outline, in_one
+from fuzzynav_mj.sensing.outline import in_one
 from fuzzynav_mj.sensing.perception import Perceiver
 from fuzzynav_mj.sensing.tracking import Track
-from fuzzynav_mj.sensing.uniting import absorb, are_one
 from fuzzynav_mj.sensing.velocity_filter import (
     ACCELERATION_SIGMA,
     ACCELERATION_TIME,
-    Beliefs,
     carried_on,
 )
 from fuzzynav_mj.types import FloatArray, LaserScan, Pose2D
-
-BELIEFS = Beliefs(
-    flow_sigma=0.0003, noise=0.0, independent_hits=6.0, outlier=0.06, outline_sigma=0.03
-)
-PERIOD = 0.1
-CORNER = ((0.0, 0.0), (0.12, 0.0), (0.12, 0.15))  # two faces at right angles
-FACE = ((0.0, 0.0), (0.15, 0.0))
-
-
-def look_at(stamp: float) -> FreeSpace:
-    """A look of which nothing is known to be free."""
-    blind = LaserScan(stamp, ray_bearings(12), np.zeros(12), np.zeros(12, dtype=bool), 0.8)
-    return FreeSpace(take_look(blind, Pose2D(0.0, 0.0, 0.0)))
-
-
-def outline(
-    corners: tuple[tuple[float, float], ...], place: FloatArray, stamp: float, ends: bool = False
-) -> Outline:
-    """Hits 15 mm apart on a chain of faces that lies `place` (2,) off its corners."""
-    points, normals = [], []
-    for start, end in zip(np.array(corners)[:-1], np.array(corners)[1:], strict=True):
-        way = end - start
-        length = hypot(*way)
-        steps = np.arange(0.003, length, 0.015)
-        points.append(start + steps[:, None] * way / length)
-        normals.append(np.tile(np.array([way[1], -way[0]]) / length, (len(steps), 1)))
-    hits = np.concatenate(points)
-    edges = np.diff(hits, axis=0, append=hits[-1:])
-    across = np.stack((edges[:, 1], -edges[:, 0]), axis=1)
-    across[-1] = normals[-1][-1]
-    across /= np.hypot(*across.T)[:, None]
-    joined = np.append(np.full(len(hits) - 1, True), False)
-    at = np.ascontiguousarray((hits + place).T)
-    bounds = np.zeros((2, len(hits)), dtype=bool)
-    bounds[0, 0] = bounds[1, -1] = ends
-    return Outline(stamp, at, joined, np.ascontiguousarray(across.T), bounds)
-
-
-def followed(
-    corners: tuple[tuple[float, float], ...], velocity: FloatArray, looks: int, ends: bool = False
-) -> Track:
-    track = Track.begin(np.zeros(2))
-    for number in range(looks):
-        if number:
-            track.predict(PERIOD)
-        stamp = PERIOD * number
-        shown = outline(corners, 0.5 + velocity * stamp, stamp, ends)
-        assert not track.take_in(shown, look_at(stamp), BELIEFS).any()
-    return track
 
 
 def test_a_prediction_drives_the_state_on() -> None:
@@ -266,21 +214,6 @@ def test_nothing_is_learnt_from_an_outline_that_the_motion_does_not_explain() ->
     assert track.take_in(jumped, look_at(0.8), BELIEFS).all()
     np.testing.assert_array_equal(track.state, state)
     assert track.missed == 1 and list(track.outlines) == outlines
-
-
-def test_two_faces_of_one_mover_become_one_track() -> None:
-    velocity = np.array([0.3, 0.2])
-    one, other = followed(CORNER[:2], velocity, 8), followed(CORNER[1:], velocity, 8)
-    assert are_one(one, other)
-    absorb(one, other)
-    np.testing.assert_allclose(one.velocity, velocity, atol=0.01)
-    assert one.expected_outline.shape[1] == 8 + 10
-
-
-def test_faces_of_two_movers_stay_two_tracks() -> None:
-    one = followed(CORNER, np.array([0.3, 0.2]), 8)
-    other = followed(CORNER[1:], np.array([-0.1, 0.2]), 8)
-    assert not are_one(one, other)
 
 
 def test_the_fullest_outline_is_carried_on_while_part_of_it_is_hidden() -> None:
