@@ -5,7 +5,7 @@ smallest distance to the goal.
 """
 
 from dataclasses import dataclass
-from math import atan2, cos, hypot, pi, sin
+from math import asin, atan2, cos, hypot, pi, sin
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 Point = tuple[float, float]  # x, y, world frame, m
 
 BOUNDARY_GAP = 0.3  # m: parts farther from each other are different boundaries
+SEEN_AGAIN = 0.1  # m: a point of a boundary is one of the hits no farther from it
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,13 +125,41 @@ class Following:
             and away < settings.loop_radius
         )
 
-    def along(self, place: Point, sight: Sight, ways: Ways) -> int:
-        """Ray of the first way beside the boundary; remembers its new edge."""
+    def along(
+        self,
+        place: Point,
+        sight: Sight,
+        ways: Ways,
+        among_movers: bool,
+        settings: GuidanceSettings,
+    ) -> tuple[int, bool]:
+        """Ray of the first way beside the boundary, and whether that is another boundary now;
+        remembers its new edge.
+
+        The edge stays where it was while a mover hides it, and where movers have driven the robot
+        over to another boundary: it would follow that one, perhaps all around.
+        """
         first, chosen = _ways_beside(
             self.beside(place, sight), self.side, ways.open, ways.comfortable
         )
-        self.edge = blocking_point(place, sight, (first - self.side) % len(sight.bearings))
-        return chosen
+        edge = blocking_point(place, sight, (first - self.side) % len(sight.bearings))
+        x, y = self.edge[0] - place[0], self.edge[1] - place[1]
+        away, bearing = hypot(x, y), atan2(y, x)
+        before = ray_at(bearing, sight)
+        none = np.zeros(len(sight.bearings), dtype=bool)
+        hidden = none if sight.hidden is None else sight.hidden
+        another = among_movers and not same_boundary(place, sight, self.edge, edge)
+        if another:
+            stays = bool(hidden[before]) or away >= sight.max_range
+            stays = stays or _is_seen(sight.points, x, y, SEEN_AGAIN)
+        else:
+            stays = bool(hidden[before] and hidden[first])
+        if stays:
+            aside = asin(settings.comfortable / max(away, settings.comfortable))
+            past = ray_at(bearing + self.side * aside, sight)
+            return _first_open(past, self.side, ways.open), False
+        self.edge = edge
+        return chosen, another
 
     def beside(self, place: Point, sight: Sight) -> int:
         """The ray on which the boundary is nearest to the robot.
@@ -194,6 +223,17 @@ def _ways_beside(
     return first, first
 
 
+def _first_open(start: int, side: int, is_open: BoolArray) -> int:
+    """The first ray from `start` on, turning to a side (+1 or -1), where a way leads on."""
+    rays = (start + side * np.arange(len(is_open))) % len(is_open)
+    return int(rays[is_open[rays].argmax()])
+
+
+def _is_seen(points: FloatArray, x: float, y: float, within: float) -> bool:
+    """True if one of the points (k, 2) is within this of (x, y), m."""
+    return bool((np.hypot(points[:, 0] - x, points[:, 1] - y) <= within).any())
+
+
 @compiled
 def _nearest_connected(
     points: FloatArray, x: float, y: float, gap: float, to_x: float, to_y: float
@@ -230,9 +270,12 @@ def same_boundary(
     one: Point,
     other: Point,
 ) -> bool:
-    """True if the two points of boundaries hang together as far as can be seen."""
+    """True if the two points of boundaries hang together as far as can be seen; false where
+    nothing near the first is in sight."""
     x, y = one[0] - place[0], one[1] - place[1]
     to_x, to_y = other[0] - place[0], other[1] - place[1]
+    if not _is_seen(sight.points, x, y, BOUNDARY_GAP):
+        return False
     return _nearest_connected(sight.points, x, y, BOUNDARY_GAP, to_x, to_y) < BOUNDARY_GAP
 
 

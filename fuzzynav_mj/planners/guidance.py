@@ -20,7 +20,6 @@ from fuzzynav_mj.planners.boundary import (
     blocking_point,
     ray_at,
     rays_beside,
-    same_boundary,
 )
 from fuzzynav_mj.planners.openings import gaining_way, shortest_way
 from fuzzynav_mj.planners.reach import free_ahead
@@ -131,17 +130,16 @@ class Guidance:
             following.closed = True
             following.side = -following.side
             following.begin_anew(place, distance)
-        edge = following.edge
-        chosen = following.along(place, sight, ways)
+        chosen, another = following.along(place, sight, ways, among_movers, self._settings)
         left_over = hypot(*(ways.end[chosen] - goal).tolist())
         following.reached = min(following.reached, left_over)
-        if among_movers and not same_boundary(place, sight, edge, following.edge):
+        if another:
             self._driven_off = (following.side, place)
             following.begin_anew(place, distance)
             following.watch(place, goal, sight, self._settings)
         cost = float(ways.length[chosen]) + left_over
         if self._other_side_pays(place, sight, cost, following):
-            chosen = following.along(place, sight, ways)
+            chosen, _ = following.along(place, sight, ways, among_movers, self._settings)
         return self._follow(place, sight, ways, chosen, following)
 
     def _straight(
