@@ -137,7 +137,7 @@ class Following:
         remembers its new edge.
 
         The edge stays where it was while a mover hides it, and where movers have driven the robot
-        over to another boundary: it would follow that one, perhaps all around.
+        over to another boundary: else it would follow that one, perhaps all around.
         """
         first, chosen = _ways_beside(
             self.beside(place, sight), self.side, ways.open, ways.comfortable
