@@ -89,9 +89,12 @@ def episode_jobs(
 
 def play_job(job: EpisodeJob) -> EpisodeRecord | FailedEpisode:
     """Run one episode; whatever goes wrong in it is its failure and no other's."""
-    from fuzzynav_mj.runner import play_episode  # in the worker: the parent needs no physics
+    # In the worker: the parent needs no physics.
+    from fuzzynav_mj.rehearsal import settle
+    from fuzzynav_mj.runner import play_episode
 
     try:
+        settle()
         return play_episode(job.scenario, job.planner, job.seed, job.disturbance).record
     except FuzzyNavError as error:
         reason = str(error)

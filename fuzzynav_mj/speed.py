@@ -16,7 +16,7 @@ from fuzzynav_mj.episode import BlockTruth, run_episode
 from fuzzynav_mj.fuzzy.risk import RiskGate
 from fuzzynav_mj.planners.base import NavigationProblem, Observation, Planner, Requirements
 from fuzzynav_mj.planners.multilayer import MultilayerPlanner
-from fuzzynav_mj.rehearsal import rehearse
+from fuzzynav_mj.rehearsal import settle
 from fuzzynav_mj.robot import DEFAULT_ROBOT
 from fuzzynav_mj.scenarios.schema import Scenario
 from fuzzynav_mj.scenarios.shape import Shape
@@ -176,7 +176,7 @@ class TimedPlanner:
 
 def time_episode(scenario: Scenario, seed: int, repeats: int, clock: Clock) -> EpisodeSpeed:
     """Times one episode of planner `fuzzy`, and bare physics after each repeat of it."""
-    rehearse()
+    settle()
     runs = [_time_once(scenario, seed, clock) for _ in range(repeats)]
     first = runs[0]
 

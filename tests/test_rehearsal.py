@@ -1,12 +1,13 @@
 """The rehearsal takes the same functions and tables as an episode does."""
 
+import gc
 import sys
 
 from numba.core.registry import CPUDispatcher
 
 from fuzzynav_mj.disturbance import Disturbance
 from fuzzynav_mj.planners.grid import grid_around
-from fuzzynav_mj.rehearsal import rehearse
+from fuzzynav_mj.rehearsal import rehearse, settle
 from fuzzynav_mj.runner import play_episode
 from fuzzynav_mj.scenarios import load_scenario
 
@@ -32,3 +33,12 @@ def test_nothing_is_left_to_be_compiled_or_filled_in_an_episode() -> None:
     play_episode(load_scenario("convex"), "fuzzy", 1, noisy)
     assert specialisations() == before
     assert grid_around.cache_info().misses == grids
+
+
+def test_what_start_up_made_is_not_searched_for_garbage() -> None:
+    settle.cache_clear()
+    settle()
+    made = gc.get_freeze_count()
+    assert made > 100_000
+    assert len(gc.get_objects()) < made / 100
+    gc.unfreeze()

@@ -88,10 +88,10 @@ def note_nearest(squared: FloatArray, axis: FloatArray, x: float, y: float, reac
     first, end = max(j - reach, 0), min(j + reach + 1, size)
     for a in range(max(i - reach, 0), min(i + reach + 1, size)):
         ahead = (axis[a] - x) ** 2
-        # Counted from nought: the compiler then takes several cells at once.
+        # Counted from nought, and not with `min`: the compiler then takes several cells at once.
         for column in range(end - first):
             b = first + column
-            squared[a, b] = min(squared[a, b], ahead + (axis[b] - y) ** 2)
+            squared[a, b] = np.minimum(squared[a, b], ahead + (axis[b] - y) ** 2)
 
 
 @compiled

@@ -230,7 +230,7 @@ def _value(
             first = (STRIDE + moves[m, 0]) * width + STRIDE + moves[m, 1]
             shifted, toll = costs[first : first + len(best)], tolls[m]
             for k in range(len(best)):
-                best[k] = min(best[k], shifted[k] + toll)
+                best[k] = np.minimum(best[k], shifted[k] + toll)
     return np.where(passable, value[:, :size], NO_WAY)
 
 
