@@ -22,6 +22,7 @@ from fuzzynav_mj.sensing.velocity_filter import (
     squared_sigmas,
     taken_in,
 )
+from fuzzynav_mj.sensing.velocity_grid import frame_of, motions, without
 from fuzzynav_mj.types import BoolArray, FloatArray
 
 STRAY_REACH = 0.08  # m within which a hit is held against an outline that should explain it
@@ -29,6 +30,8 @@ STRAY = 0.008  # m by which it may lie off, besides ...
 STRAY_NOISE = 2.0  # ... so many standard deviations of the ranges
 UNLIKE = 9.0  # squared standard deviations beyond which a velocity is not the one expected
 STRAIGHT_ON = 0.4  # m/s2: what is believed of accelerations between corners
+SAME_SPEED = 0.05  # m/s: standard deviation of a speed after a corner from the one before
+POSSIBLE = 0.02  # share of the motions that an outline leaves open that must be slow enough
 BEFORE = 0.5  # of the change: standard deviation of the velocity now from the mean since the look
 
 
@@ -84,15 +87,21 @@ def changed_at_once(
 
 
 def turned_at_once(
-    outline: Outline, last: Outline, velocity: FloatArray, space: FreeSpace, beliefs: Beliefs
+    outline: Outline,
+    last: Outline,
+    velocity: FloatArray,
+    sigma: float,
+    space: FreeSpace,
+    beliefs: Beliefs,
 ) -> Turned | None:
     """A mover that was elsewhere expected, if it has turned at once since the look before; None if
-    that does not explain its outline either, or it was not seen then.
+    that does not explain its outline either, if it was not seen then, or if it had to go faster.
 
     Args:
         outline: now.
         last: its last one.
         velocity: (2,) that it had, m/s.
+        sigma: uncertainty of that, m/s.
         space: the look of now, and the free space of it and of earlier ones.
         beliefs: how far measured speeds can be trusted.
     """
@@ -104,7 +113,28 @@ def turned_at_once(
     if not explains_most(others):
         return None
     state, covariance = space.narrow(state, covariance, outline, [last], last.stamp)
+    no_faster = _no_faster(state, covariance, hypot(*velocity.tolist()), sigma)
+    if no_faster is None:
+        return None
+    state, covariance = no_faster
     change = BEFORE * (state[:2] - velocity)
     doubt = np.diag([0.0, 0.0, STRAIGHT_ON**2, STRAIGHT_ON**2, 0.0, 0.0])
     doubt[:2, :2] = covariance[:2, :2] + np.outer(change, change)
     return Turned(np.array([state[0], state[1], 0.0, 0.0, 0.0, 0.0]), doubt, others)
+
+
+def _no_faster(
+    state: FloatArray, covariance: FloatArray, speed: float, sigma: float
+) -> tuple[FloatArray, FloatArray] | None:
+    """State (6,) and covariance (6, 6) without the motions that are faster than a mover's `speed`
+    before, known to `sigma`, m/s; None where next to nothing is left."""
+    doubt = hypot(sigma, SAME_SPEED)
+    frame = frame_of(covariance)
+    places, tried, likely = motions(frame)
+    faster = np.maximum(np.hypot(*(state[:2] + tried[:, :2]).T) - speed, 0.0) / doubt
+    left = likely * np.exp(-(faster**2) / 2)
+    if left.sum() < POSSIBLE * likely.sum():
+        return None
+    if frame.steps == 1:
+        return state, covariance
+    return without(state, covariance, frame, places, left, likely)

@@ -211,7 +211,9 @@ class Track:
     def turn(self, outline: Outline, space: FreeSpace, beliefs: Beliefs) -> BoolArray | None:
         """Takes in an outline if the mover has turned at once, to have it now: what `take_in`
         returns, whose arguments these are; None if it has not."""
-        turned = turned_at_once(outline, self.outlines[-1], self.velocity, space, beliefs)
+        turned = turned_at_once(
+            outline, self.outlines[-1], self.velocity, self.speed_sigma, space, beliefs
+        )
         if turned is None:
             return None
         self._forget_outlines()

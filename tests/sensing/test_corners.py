@@ -92,13 +92,40 @@ def test_after_a_corner_the_mean_since_the_look_before_is_known() -> None:
     last, before = outline_at(0.4, 0.25, 0.0)
     outline, now = outline_at(0.38, 0.27, PERIOD)
     space = FreeSpace(now.now, [before.now])
-    turned = turned_at_once(outline, last, np.array([0.3, 0.0]), space, BELIEFS)
+    turned = turned_at_once(outline, last, np.array([0.3, 0.0]), 0.02, space, BELIEFS)
     assert turned is not None and not turned.others.any()
     np.testing.assert_allclose(turned.state, [-0.2, 0.2, 0.0, 0.0, 0.0, 0.0], atol=0.01)
     way = turned.state[:2] - np.array([0.3, 0.0])
     along = way / np.hypot(*way)
     sigma = np.sqrt(along @ turned.covariance[:2, :2] @ along)
     assert sigma == pytest.approx(np.hypot(*way) / 2, rel=0.1)
+
+
+@pytest.mark.parametrize(("speed", "sigma"), [(0.05, 0.02), (0.3, 0.02), (0.05, 0.3)])
+def test_who_turns_goes_no_faster_than_before(speed: float, sigma: float) -> None:
+    """In 0.1 s the outline has moved by 28 mm: too far for one that went at 0.05 m/s, unless that
+    was hardly known."""
+    last, before = outline_at(0.4, 0.25, 0.0)
+    outline, now = outline_at(0.38, 0.27, PERIOD)
+    space = FreeSpace(now.now, [before.now])
+    turned = turned_at_once(outline, last, np.array([speed, 0.0]), sigma, space, BELIEFS)
+    assert (turned is None) is (speed + 3.0 * sigma < 0.28)
+
+
+def test_a_flat_side_went_no_farther_along_itself_than_its_speed_allows() -> None:
+    """Across itself it went at 0.1 m/s, so along itself at no more than 0.28, of 0.3 in all."""
+    last, before = outline_at(0.45, 0.0, 0.0)
+    outline, now = outline_at(0.44, 0.0, PERIOD)
+    space = FreeSpace(now.now, [before.now])
+    along = {}
+    for speed in (0.11, 0.3):
+        velocity = np.array([0.0, speed])
+        turned = turned_at_once(outline, last, velocity, 0.02, space, BELIEFS)
+        assert turned is not None
+        change = turned.state[:2] - velocity
+        spread = turned.covariance[:2, :2] - np.outer(change, change) / 4
+        along[speed] = abs(turned.state[1]) + 2.0 * np.sqrt(spread[1, 1])
+    assert along[0.11] < along[0.3] < 0.28
 
 
 def test_a_flat_side_that_turns_back_along_itself_contradicts_what_is_free() -> None:
@@ -117,7 +144,7 @@ def test_a_mover_that_was_out_of_sight_has_not_turned() -> None:
     nothing = take_look(scan_of([], PERIOD), HERE)
     outline, now = outline_at(0.43, 0.02, 2 * PERIOD)
     space = FreeSpace(now.now, [before.now, nothing])
-    assert turned_at_once(outline, last, np.array([0.3, 0.0]), space, BELIEFS) is None
+    assert turned_at_once(outline, last, np.array([0.3, 0.0]), 0.02, space, BELIEFS) is None
 
 
 def test_what_looks_otherwise_is_another_mover() -> None:
@@ -128,4 +155,4 @@ def test_what_looks_otherwise_is_another_mover() -> None:
     look = take_look(scan_of([disc], PERIOD), HERE)
     outline = outline_around(look, np.zeros(len(look.ranges), dtype=bool), 0.3, 0.2, 0.5)
     space = FreeSpace(look, [before.now])
-    assert turned_at_once(outline, last, np.array([0.3, 0.0]), space, BELIEFS) is None
+    assert turned_at_once(outline, last, np.array([0.3, 0.0]), 0.02, space, BELIEFS) is None
