@@ -35,7 +35,7 @@ def hold_against_movers(
         half_side: of the footprint, m.
     """
     periods = len(alive)
-    gaps, risks, met = np.empty(periods), np.empty(periods), np.empty(periods)
+    gaps, met = np.empty(periods), np.empty(periods)
     alive[:], expected[:], elsewhere[:] = 1.0, FAR, FAR
     first_expected = first_possible = number = 0
     for mover in range(len(scene.outlines)):
@@ -50,23 +50,15 @@ def hold_against_movers(
                 end = first_possible + size
                 gaps_on_the_way(gaps, placed, scene.possible, first_possible, end, half_side)
                 first_possible = end
-            nearest = elsewhere if way > 0 else expected
+            risk = 0.0
             for j in range(periods):
-                nearest[j] = np.minimum(nearest[j], gaps[j])
-                risks[j] = np.maximum(1.0 - np.divide(gaps[j] - TOUCH, scene.risky[j]), 0.0)
-            if risks.max() > 0.0:
-                _meet(met, risks, scene.shares[number])
+                if way == 0:
+                    expected[j] = min(expected[j], gaps[j])
+                else:
+                    elsewhere[j] = min(elsewhere[j], gaps[j])
+                share = min(max(1.0 - (gaps[j] - TOUCH) / scene.risky[j], 0.0), 1.0)
+                risk = max(risk, share * share)
+                met[j] += scene.shares[number] * risk
             number += 1
         for j in range(periods):
             alive[j] *= max(1.0 - met[j], 0.0)
-
-
-@compiled
-def _meet(met: FloatArray, risks: FloatArray, share: float) -> None:
-    """Adds to the likelihoods (T,) of having met a mover that of a way it may go on, which is as
-    likely as `share`: what of the worst risk so far, (T,), squared, was run by each period."""
-    risk = 0.0
-    for j in range(len(met)):
-        least = min(risks[j], 1.0)
-        risk = max(risk, least * least)
-        met[j] += share * risk
