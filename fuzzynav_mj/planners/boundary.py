@@ -146,14 +146,12 @@ class Following:
         x, y = self.edge[0] - place[0], self.edge[1] - place[1]
         away, bearing = hypot(x, y), atan2(y, x)
         before = ray_at(bearing, sight)
-        none = np.zeros(len(sight.bearings), dtype=bool)
-        hidden = none if sight.hidden is None else sight.hidden
         another = among_movers and not same_boundary(place, sight, self.edge, edge)
         if another:
-            stays = bool(hidden[before]) or away >= sight.max_range
+            stays = bool(sight.hidden[before]) or away >= sight.max_range
             stays = stays or _is_seen(sight.points, x, y, SEEN_AGAIN)
         else:
-            stays = bool(hidden[before] and hidden[first])
+            stays = bool(sight.hidden[before] and sight.hidden[first])
         if stays:
             aside = asin(settings.comfortable / max(away, settings.comfortable))
             past = ray_at(bearing + self.side * aside, sight)

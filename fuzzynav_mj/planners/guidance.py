@@ -116,7 +116,7 @@ class Guidance:
         following.length += gone
         following.reached = min(following.reached, distance)
         # What a mover hides is no reason to leave.
-        wanted = ways.open if sight.hidden is None else ways.open & ~sight.hidden
+        wanted = ways.open & ~sight.hidden
         best = gaining_way(wanted, ways.length, ways.end, goal, following.to_beat(self._settings))
         if best >= 0:
             self._following, self._promised = None, inf

@@ -25,19 +25,17 @@ class Sight:
         bearings: (n,) directions of the rays, rad, world frame.
         ranges: (n,) m to the first standing obstacle; the sensor's range where there is none.
         max_range: m.
-        hidden: (n,) True for rays that a mover stops; None where there is none.
+        hidden: (n,) True for rays that a mover stops.
     """
 
     points: FloatArray
     bearings: FloatArray
     ranges: FloatArray
     max_range: float
-    hidden: BoolArray | None = None
+    hidden: BoolArray
 
     def is_hidden(self, bearing: float, beside: float) -> bool:
         """True if a mover stops a ray less than `beside` off a bearing, both rad."""
-        if self.hidden is None:
-            return False
         off = np.cos(self.bearings[self.hidden] - bearing)
         return bool((off > cos(beside)).any())
 

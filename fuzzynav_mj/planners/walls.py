@@ -44,8 +44,7 @@ class Walls(NamedTuple):
 
 def walls_in_sight(sight: Sight) -> Walls:
     """The walls that are long enough to tell their direction."""
-    hidden = np.zeros(len(sight.ranges), dtype=bool) if sight.hidden is None else sight.hidden
-    return _walls(sight.ranges, sight.bearings, sight.max_range, hidden)
+    return _walls(sight.ranges, sight.bearings, sight.max_range, sight.hidden)
 
 
 @compiled

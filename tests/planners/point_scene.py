@@ -22,7 +22,7 @@ def scene_of(
     expected, (OUTLOOK, k, 2), and one that is far away but may be here, (HORIZON, j, 2), with a
     likelihood of a fifth."""
     ranges = np.full(SPEC.ray_count, SPEC.sensor_range)
-    sight = Sight(standing, BEARINGS, ranges, SPEC.sensor_range)
+    sight = Sight(standing, BEARINGS, ranges, SPEC.sensor_range, np.zeros(len(ranges), dtype=bool))
     count, others = expected.shape[1], possible.shape[1]
     far_away = np.full((len(expected), others, 2), 99.0)
     around = Surroundings(

@@ -54,7 +54,7 @@ def sight_at(sides: FloatArray, place: Point, yaw: float = 0.0) -> Sight:
     ranges = cast(sides, place, bearings)
     hits = ranges < RANGE
     points = np.stack((np.cos(bearings), np.sin(bearings)), axis=1)[hits] * ranges[hits, None]
-    return Sight(thin(points), bearings, ranges, RANGE)
+    return Sight(thin(points), bearings, ranges, RANGE, np.zeros(len(ranges), dtype=bool))
 
 
 def distance_to(sides: FloatArray, place: Point) -> float:

@@ -64,7 +64,7 @@ def test_boundaries_hang_together_across_the_last_ray_but_not_across_a_gap() -> 
     ring = 0.5 * UNITS  # 9 cm from one to the next
     for missing, same in (([], True), ([9], True), ([9, 10, 11, 27, 28, 29], False)):
         points = np.delete(ring, missing, axis=0)
-        sight = Sight(points, BEARINGS, np.full(RAYS, 0.5), 0.8)
+        sight = Sight(points, BEARINGS, np.full(RAYS, 0.5), 0.8, opened())
         assert same_boundary((1.0, 1.0), sight, (1.5, 1.0), (0.5, 1.0)) == same
         assert same_boundary((1.0, 1.0), sight, (1.5, 1.0), (1.48, 0.9))
     # Nothing is in sight near the first point: what is seen elsewhere does not hang together.
@@ -76,7 +76,7 @@ def test_first_way_beside_the_boundary(side: int) -> None:
     """The boundary is nearest on ray 0; the way taken keeps off it where there is room."""
     ranges = np.full(RAYS, 0.5)
     ranges[0] = 0.2
-    sight = Sight(0.5 * UNITS, BEARINGS, ranges, 0.8)
+    sight = Sight(0.5 * UNITS, BEARINGS, ranges, 0.8, opened())
 
     def chosen(is_open: BoolArray, comfortable: BoolArray) -> int:
         following = Following(side, (0.0, 0.0), (0.2, 0.0), 3.0, 3.0)
@@ -112,7 +112,7 @@ def follow_beside_another_wall(
     if seen:
         ranges[0] = away
         points = np.concatenate((away * UNITS[:1], points))
-    sight = Sight(points, BEARINGS, ranges, 0.8, opened(0) if hidden else None)
+    sight = Sight(points, BEARINGS, ranges, 0.8, opened(0) if hidden else opened())
     is_open = ranges == 0.8
     ways = Ways(is_open, lengths(is_open), 0.8 * UNITS, is_open, opened())
     following = Following(side, (0.0, 0.0), (away, 0.0), 3.0, 3.0)

@@ -21,7 +21,7 @@ def in_sight(*points: tuple[float, float]) -> Sight:
     """Free ground all around, but for single points."""
     bearings = -pi + np.arange(180) * (2 * pi / 180)
     spots = np.array(points, dtype=np.float64).reshape(-1, 2)
-    return Sight(spots, bearings, np.full(180, RANGE), RANGE)
+    return Sight(spots, bearings, np.full(180, RANGE), RANGE, np.zeros(180, dtype=bool))
 
 
 def moving(start: tuple[float, float], velocity: tuple[float, float]) -> FloatArray:

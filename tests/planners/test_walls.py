@@ -61,7 +61,7 @@ def test_what_is_round_or_small_is_no_wall() -> None:
     bearings = np.arange(RAYS) * (2 * pi / RAYS) - pi
     ranges = np.where(np.abs(bearings) < 0.5, 0.5, RANGE)  # a bow around the robot
     points = (ranges * np.stack((np.cos(bearings), np.sin(bearings)))).T[ranges < RANGE]
-    bow = walls_in_sight(Sight(points, bearings, ranges, RANGE))
+    bow = walls_in_sight(Sight(points, bearings, ranges, RANGE, np.zeros(len(ranges), dtype=bool)))
     assert (np.hypot(*(bow.ends[:, 2:] - bow.ends[:, :2]).T) < 0.35).all()
     assert len(walls_in_sight(sight_at(box(0.5, -0.06, 0.6, 0.06), CENTRE)).ends) == 0
 
