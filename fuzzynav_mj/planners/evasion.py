@@ -10,7 +10,7 @@ import numpy as np
 from fuzzynav_mj.planners.headings import HORIZON
 from fuzzynav_mj.planners.motions import moves_after
 from fuzzynav_mj.planners.outlook import Outlook, look_ahead
-from fuzzynav_mj.planners.passing import JUDGED, OUTLOOK, Passing, judged_places
+from fuzzynav_mj.planners.passing import JUDGED, OUTLOOK, Passing, judged_places, leads_on
 from fuzzynav_mj.planners.scene import Scene
 from fuzzynav_mj.planners.settings import DecisionSettings
 from fuzzynav_mj.robot import RobotSpec
@@ -62,6 +62,6 @@ def _periods(
     says; those after it where a way leads on from its pose after the periods `JUDGED` (m, 3)."""
     lasts: FloatArray = alive.sum(axis=1)
     if passing is not None:
-        leads_on = passing.leads_on(*judged_places(judged, yaw))
-        lasts += (OUTLOOK - HORIZON) * alive[:, -1] * leads_on
+        onward = leads_on(passing, *judged_places(judged, yaw))
+        lasts += (OUTLOOK - HORIZON) * alive[:, -1] * onward
     return lasts

@@ -11,6 +11,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.fuzzy.risk import RiskGate
 from fuzzynav_mj.planners.arrival import Docking, docking
 from fuzzynav_mj.planners.base import NavigationProblem, Observation, Requirements
@@ -18,13 +19,12 @@ from fuzzynav_mj.planners.evasion import lasting
 from fuzzynav_mj.planners.guidance import Guidance, Heading
 from fuzzynav_mj.planners.motions import Motions, candidate_motions, places_after
 from fuzzynav_mj.planners.outlook import Outlook, look_ahead
-from fuzzynav_mj.planners.passing import JUDGED, Passing, judged_places, ways_past
+from fuzzynav_mj.planners.passing import Passing, ways_past
 from fuzzynav_mj.planners.priorities import (
     cheapest,
-    closest_approach,
+    costs_alone,
+    costs_among_movers,
     secondary_costs,
-    stand_still,
-    way_lengths,
 )
 from fuzzynav_mj.planners.scene import Scene, scene_around
 from fuzzynav_mj.planners.sectors import as_fuzzy_inputs, sector_distances
@@ -38,6 +38,7 @@ from fuzzynav_mj.types import (
     Decision,
     FloatArray,
     FuzzyInputs,
+    IntArray,
     Perception,
     Pose2D,
 )
@@ -47,7 +48,6 @@ SAME_EVASION = 0.8  # cosine of the largest angle between directions of one evas
 SAME_COURSE = 0.94  # cosine of an angle between directions of travel, and ...
 SAME_SPEED = 0.15  # m/s: ... a difference in speed, that are not put down to movers
 DRIVEN_OFF = 3.0  # s: for so long a mover that was in sight may have driven the robot off
-STANDING = 0.03  # m or rad: a candidate that changes its pose by no more stands still
 
 
 class MultilayerPlanner:
@@ -149,19 +149,19 @@ class MultilayerPlanner:
         )
         if dock is not None and dock.turn_to is not None:
             other += ~motions.on_the_spot
-        # Nearer than this no way is better than another: the fastest is taken.
+        # As near to the goal as this the fastest way is taken.
         near_enough = 0.0 if dock is not None else self._problem.goal_tolerance / 2
-        nearest = closest_approach(outlook.poses, settings.progress_steps, target)
-        alone = np.maximum(nearest, near_enough) + other
+        # Waiting is for movers: among what stands it would last for ever.
+        waiting = settings.waiting_cost if passing is None else 0.0
+        alone = costs_alone(
+            outlook.poses, other, target, near_enough, settings.progress_steps, waiting
+        )
         if passing is None:
-            # Waiting is for movers: among what stands it would last for ever.
-            alone += settings.waiting_cost * stand_still(outlook.poses, STANDING)
             return alone, alone
-        places = judged_places(outlook.poses[:, JUDGED - 1], pose.yaw)
-        cost = passing.worth(*places) + other
-        cost += settings.passing_length * way_lengths(outlook.poses, JUDGED)
-        cost += settings.moving_weight * outlook.crowding
-        cost += settings.contact_cost * (1.0 - outlook.alive[:, -1])
+        cost = costs_among_movers(
+            outlook, passing, other, pose.yaw,
+            settings.passing_length, settings.moving_weight, settings.contact_cost,
+        )  # fmt: skip
         return cost, alone
 
     def _choose(
@@ -199,7 +199,7 @@ class MultilayerPlanner:
         if self._gate is None:
             return _Verdict(chosen, None, False)
         travel = motions.direction + pose.yaw
-        pick = np.array([chosen])
+        pick = slice(chosen, chosen + 1)
         inputs = as_fuzzy_inputs(self._distances(pick, candidates, travel, perception)[0])
         risks[chosen] = self._gate.risk(inputs)
         if self._gate.accepts(float(risks[chosen])):
@@ -223,8 +223,13 @@ class MultilayerPlanner:
         return _Verdict(taken, as_fuzzy_inputs(alternatives[best]), taken != chosen)
 
     def _distances(
-        self, rows: np.ndarray, candidates: CandidateSet, travel: FloatArray, seen: Perception
+        self,
+        rows: IntArray | slice,
+        candidates: CandidateSet,
+        travel: FloatArray,
+        seen: Perception,
     ) -> FloatArray:
+        """(k, 6) fuzzy inputs of the candidates `rows`, that travel in directions (m,)."""
         spec = self._spec
         return sector_distances(
             candidates.positions[rows],
@@ -278,12 +283,30 @@ class _Verdict:
 
 def _candidates(motions: Motions, outlook: Outlook, cost: FloatArray, pose: Pose2D) -> CandidateSet:
     """The candidates' next positions, Eq. (12), with what the decision knows of them."""
-    return CandidateSet(
-        positions=places_after(motions.poses, pose.x, pose.y, pose.yaw),
-        admissible=outlook.admissible,
-        clearance=np.minimum(outlook.static, outlook.moving),
-        cost=np.where(outlook.admissible, cost, np.inf),
-        risk=np.full(len(cost), np.nan),
+    admissible = outlook.admissible
+    positions, clearance, allowed, risk = _weighed(
+        motions.poses, pose.x, pose.y, pose.yaw, outlook.static, outlook.moving, admissible, cost
+    )
+    return CandidateSet(positions, admissible, clearance, allowed, risk)
+
+
+@compiled
+def _weighed(
+    poses: FloatArray,
+    x: float,
+    y: float,
+    yaw: float,
+    static: FloatArray,
+    moving: FloatArray,
+    admissible: BoolArray,
+    cost: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """`positions`, `clearance`, `cost` and `risk` of the candidates, the latter not known yet."""
+    return (
+        places_after(poses, x, y, yaw),
+        np.minimum(static, moving),
+        np.where(admissible, cost, np.inf),
+        np.full(len(cost), np.nan),
     )
 
 

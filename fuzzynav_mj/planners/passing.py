@@ -10,6 +10,7 @@ candidate's place is worth. It is a guide only: what is safe is decided on the r
 from dataclasses import dataclass
 from functools import lru_cache
 from math import cos, floor, hypot, pi, sin
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,9 +35,9 @@ NO_WAY = 4.0  # m: cost of a place with no way on
 BLOCKED = 2.0  # m: what a place among obstacles costs more than its distance to the target
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Passing:
-    """What places are worth when the judged periods are over.
+class Passing(NamedTuple):
+    """What places are worth when the judged periods are over; a named tuple, which compiled
+    functions take as a whole.
 
     Attributes:
         value: (n, n) cost of the cheapest way on from each cell, m, less the target's distance
@@ -49,22 +50,26 @@ class Passing:
     half: int
     target: FloatArray
 
-    def worth(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """(m,) the value at places, robot-centred with axes parallel to the world's."""
-        towards_x, towards_y = self.target.tolist()
-        blocked = np.hypot(x - towards_x, y - towards_y) - hypot(towards_x, towards_y) + BLOCKED
-        return _interpolate(self.value, x / CELL + self.half, y / CELL + self.half, blocked)
 
-    def leads_on(self, x: FloatArray, y: FloatArray) -> BoolArray:
-        """(m,) True for places, as in `worth`, from which there is a way on."""
-        free = np.where(self.value < NO_WAY, 0.0, NO_WAY)
-        half, blocked = self.half, np.full(len(x), NO_WAY)
-        way: BoolArray = _interpolate(free, x / CELL + half, y / CELL + half, blocked) < NO_WAY
-        return way
+@compiled
+def worth(passing: Passing, x: FloatArray, y: FloatArray) -> FloatArray:
+    """(m,) the value at places, robot-centred with axes parallel to the world's."""
+    towards_x, towards_y = passing.target
+    blocked = np.hypot(x - towards_x, y - towards_y) - hypot(towards_x, towards_y) + BLOCKED
+    return _interpolate(passing.value, x / CELL + passing.half, y / CELL + passing.half, blocked)
 
 
+def leads_on(passing: Passing, x: FloatArray, y: FloatArray) -> BoolArray:
+    """(m,) True for places, as in `worth`, from which there is a way on."""
+    free = np.where(passing.value < NO_WAY, 0.0, NO_WAY)
+    half, blocked = passing.half, np.full(len(x), NO_WAY)
+    way: BoolArray = _interpolate(free, x / CELL + half, y / CELL + half, blocked) < NO_WAY
+    return way
+
+
+@compiled
 def judged_places(judged: FloatArray, yaw: float) -> tuple[FloatArray, FloatArray]:
-    """(m,) x and (m,) y, as `Passing` takes them, of poses (m, 3) in the frame of a robot at this
+    """(m,) x and (m,) y, as `worth` takes them, of poses (m, 3) in the frame of a robot at this
     yaw."""
     c, s, x, y = cos(yaw), sin(yaw), judged[:, 0], judged[:, 1]
     return c * x - s * y, s * x + c * y

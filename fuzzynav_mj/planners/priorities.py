@@ -5,7 +5,11 @@ from math import pi, sqrt
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
+from fuzzynav_mj.planners.outlook import Outlook
+from fuzzynav_mj.planners.passing import JUDGED, Passing, judged_places, worth
 from fuzzynav_mj.types import BoolArray, FloatArray
+
+STANDING = 0.03  # m or rad: a candidate that changes its pose by no more stands still
 
 
 @compiled
@@ -16,6 +20,62 @@ def cheapest(costs: FloatArray, allowed: BoolArray) -> int:
         if allowed[i] and (best < 0 or costs[i] < costs[best]):
             best = i
     return best
+
+
+@compiled
+def costs_alone(
+    poses: FloatArray,
+    other: FloatArray,
+    target: tuple[float, float],
+    near_enough: float,
+    steps: int,
+    waiting_cost: float,
+) -> FloatArray:
+    """(m,) what candidates cost where nothing moves, m: how far they stay from the target, Eq.
+    (13), standing still, and what they cost otherwise.
+
+    Args:
+        poses: (m, T, 3) robot frame.
+        other: (m,) m.
+        target: robot frame, m.
+        near_enough: nearer to it than this no candidate is better than another, m.
+        steps: decision periods that count.
+        waiting_cost: of standing still, m.
+    """
+    costs: FloatArray = np.maximum(closest_approach(poses, steps, target), near_enough) + other
+    if waiting_cost > 0.0:
+        costs += waiting_cost * stand_still(poses, STANDING)
+    return costs
+
+
+@compiled
+def costs_among_movers(
+    outlook: Outlook,
+    passing: Passing,
+    other: FloatArray,
+    yaw: float,
+    length_weight: float,
+    crowding_weight: float,
+    contact_cost: float,
+) -> FloatArray:
+    """(m,) what candidates cost among movers, m: what the places reached are worth, the ways to
+    them, being near movers, Eq. (14), contact, and what they cost otherwise (m,).
+
+    Args:
+        outlook: the candidates' prospects.
+        passing: what places are worth.
+        other: m.
+        yaw: of the robot, rad.
+        length_weight, crowding_weight, contact_cost: settings.
+    """
+    x, y = judged_places(outlook.poses[:, JUDGED - 1], yaw)
+    cost = worth(passing, x, y) + other
+    length = way_lengths(outlook.poses, JUDGED)
+    for i in range(len(cost)):
+        cost[i] += length_weight * length[i]
+        cost[i] += crowding_weight * outlook.crowding[i]
+        cost[i] += contact_cost * (1.0 - outlook.alive[i, -1])
+    return cost
 
 
 @compiled

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fuzzynav_mj.planners.passing import BLOCKED, NO_WAY, OUTLOOK, Passing, ways_past
+from fuzzynav_mj.planners.passing import BLOCKED, NO_WAY, OUTLOOK, Passing, ways_past, worth
 from fuzzynav_mj.planners.settings import DecisionSettings
 from fuzzynav_mj.planners.sight import Sight
 from fuzzynav_mj.types import FloatArray
@@ -31,7 +31,7 @@ def moving(start: tuple[float, float], velocity: tuple[float, float]) -> FloatAr
 
 
 def at(passing: Passing, x: float, y: float) -> float:
-    return float(passing.worth(np.array([x]), np.array([y]))[0])
+    return float(worth(passing, np.array([x]), np.array([y]))[0])
 
 
 def test_free_ground_costs_time_and_length_of_the_way() -> None:
