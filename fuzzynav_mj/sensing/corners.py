@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.sensing.free_space import FreeSpace
 from fuzzynav_mj.sensing.outline import Outline
 from fuzzynav_mj.sensing.registration import strays
@@ -49,20 +50,36 @@ class Turned(NamedTuple):
     others: BoolArray
 
 
+@compiled
 def explains_most(others: BoolArray) -> bool:
     """True if a motion explains at least half of the hits, for which `others` (k,) is False."""
-    return bool(len(others) - others.sum() >= max(len(others) / 2, 2.0))
+    most: bool = len(others) - others.sum() >= max(len(others) / 2, 2.0)
+    return most
 
 
+@compiled
 def unexplained(
     state: FloatArray, outline: Outline, earlier: Outline, beliefs: Beliefs
 ) -> BoolArray:
     """(k,) True for hits that a mover of this state (6,) and earlier outline does not explain."""
-    return elsewhere(outline, earlier, *gone_since(state, outline.stamp - earlier.stamp), beliefs)
+    x, y = gone_since(state, outline.stamp - earlier.stamp)
+    return elsewhere(outline, earlier, x, y, beliefs, 0.0)
 
 
+@compiled
+def unexplained_by_both(
+    state: FloatArray, outline: Outline, last: Outline, first: Outline, beliefs: Beliefs
+) -> BoolArray:
+    """(k,) the same for the last outline and an earlier one: a slow difference shows only over the
+    longer time."""
+    others = unexplained(state, outline, last, beliefs)
+    slow = unexplained(state, outline, first, beliefs)
+    return others if slow.all() else others | slow
+
+
+@compiled
 def elsewhere(
-    outline: Outline, earlier: Outline, x: float, y: float, beliefs: Beliefs, unsure: float = 0.0
+    outline: Outline, earlier: Outline, x: float, y: float, beliefs: Beliefs, unsure: float
 ) -> BoolArray:
     """(k,) True for hits that do not lie on an earlier outline carried onward by (x, y), m, give or
     take what is `unsure` of that."""
@@ -70,6 +87,7 @@ def elsewhere(
     return strays(outline, earlier, x, y, STRAY_REACH, tolerance)
 
 
+@compiled
 def changed_at_once(
     state: FloatArray, expected: FloatArray, covariance: FloatArray, elapsed: float
 ) -> bool:
@@ -81,7 +99,7 @@ def changed_at_once(
         covariance: (6, 6) ... and how far it was known.
         elapsed: s since the look before.
     """
-    x, y = (state[:2] - expected[:2]).tolist()
+    x, y = state[0] - expected[0], state[1] - expected[1]
     large = hypot(x, y) > LARGEST_ACCELERATION * elapsed
     return large and squared_sigmas(x, y, covariance) > UNLIKE
 
@@ -108,7 +126,8 @@ def turned_at_once(
     if not space.past or last.stamp < space.past[-1].stamp:
         return None
     unknown = nothing_known(outline.stamp - last.stamp)
-    state, covariance = taken_in(*unknown, outline, (last, last), 1, space.now, beliefs)
+    place = (space.now.x, space.now.y)
+    state, covariance = taken_in(*unknown, outline, (last, last), 1, place, beliefs)
     others = unexplained(state, outline, last, beliefs)
     if not explains_most(others):
         return None

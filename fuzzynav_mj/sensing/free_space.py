@@ -23,7 +23,7 @@ from fuzzynav_mj.sensing.looks import Look
 from fuzzynav_mj.sensing.outline import Outline
 from fuzzynav_mj.sensing.parts import convex_parts
 from fuzzynav_mj.sensing.velocity_filter import LARGEST_ACCELERATION
-from fuzzynav_mj.sensing.velocity_grid import frame_of, motions, without
+from fuzzynav_mj.sensing.velocity_grid import anything_open, frame_of, motions, without
 from fuzzynav_mj.types import BoolArray, FloatArray
 
 LOOKS = 4  # earlier looks whose free space counts ...
@@ -70,6 +70,8 @@ class FreeSpace:
             before: its outlines in earlier looks.
             since: stamp of the first look since which it may have moved like this, s.
         """
+        if not anything_open(covariance):
+            return state, covariance
         looks = self.past[: -LOOKS - 1 : -1]
         shown = before[: -OUTLINES - 1 : -1]
         # Compiled code takes the same number each time.
@@ -84,11 +86,9 @@ class FreeSpace:
         """True if a mover of this state (6,), with an outline of one part, would have been where
         rays went by in the last look, or its outline of then would be where they do now; and
         whichever way it had changed its velocity in a bend, too."""
-        if not self.past or convex_parts(outline.points, outline.joined)[-1] > 0:
+        if not self.past:
             return False
-        return _contradicts(
-            state, outline, last, self.past[-1], self.now, _contradiction(self.noise)
-        )
+        return _contradicts(state, outline, last, self.past[-1], self.now, self.noise)
 
     def strangers(
         self, state: FloatArray, outline: Outline, before: Sequence[Outline]
@@ -145,8 +145,6 @@ def _narrow(
 ) -> tuple[FloatArray, FloatArray]:
     """See `FreeSpace.narrow`; of earlier outlines and looks, the newest first, so many count."""
     frame = frame_of(covariance)
-    if frame.steps == 1:
-        return state, covariance
     places, tried, likely = motions(frame)
     ruled_out = np.zeros(len(tried), dtype=np.bool_)
     for n in range(look_count):
@@ -190,9 +188,12 @@ def _rule_out(
 
 @compiled
 def _contradicts(
-    state: FloatArray, outline: Outline, last: Outline, before: Look, now: Look, margin: float
+    state: FloatArray, outline: Outline, last: Outline, before: Look, now: Look, noise: float
 ) -> bool:
     """See `FreeSpace.contradicts`; `before` is the last look."""
+    if convex_parts(outline.points, outline.joined)[-1] > 0:
+        return False
+    margin = _contradiction(noise)
     change = LARGEST_ACCELERATION * (outline.stamp - last.stamp)
     tried = np.zeros((5, 4))
     tried[1, 0], tried[2, 0], tried[3, 1], tried[4, 1] = change, -change, change, -change

@@ -11,12 +11,13 @@ from math import atan2, cos, hypot, inf, sin, sqrt
 
 import numpy as np
 
+from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.sensing.corners import (
     changed_at_once,
     elsewhere,
     explains_most,
     turned_at_once,
-    unexplained,
+    unexplained_by_both,
 )
 from fuzzynav_mj.sensing.free_space import FreeSpace
 from fuzzynav_mj.sensing.outline import Outline, left_over
@@ -154,10 +155,11 @@ class Track:
 
     def predict(self, elapsed: float) -> None:
         """Carries the belief on to the next look."""
-        self.centre = self.centre + self.velocity * elapsed
         bend = LARGEST_ACCELERATION / 2 * elapsed**2
         self.reach = min(self.reach + 2.0 * self.speed_sigma * elapsed + bend, LARGEST_REACH)
-        self.state, self.covariance = carried_on(self.state, self.covariance, elapsed)
+        self.centre, self.state, self.covariance = _onward(
+            self.centre, self.state, self.covariance, elapsed
+        )
         self.missed += 1
 
     def take_in(self, outline: Outline, space: FreeSpace, beliefs: Beliefs) -> BoolArray:
@@ -180,7 +182,7 @@ class Track:
         if self.seen == 0:
             self._go_on(outline, state, covariance)
             return nobody
-        others = self._unexplained(state, outline, beliefs)
+        others = unexplained_by_both(state, outline, self.outlines[-1], self.outlines[0], beliefs)
         explained = explains_most(others)
         if not explained:
             strange = self._unlike_fullest(outline, beliefs)
@@ -231,7 +233,7 @@ class Track:
 
     def _note(self, outline: Outline) -> None:
         """Remembers the outline of a look."""
-        self.centre = outline.points.mean(axis=1)
+        self.centre = outline.points.sum(axis=1) / len(outline.joined)
         self.outlines.append(outline)
         old = outline.stamp - self.fullest.stamp > OUTLINE_TIME
         if old or len(outline.joined) >= WHOLE * self.most:
@@ -252,16 +254,9 @@ class Track:
         """State and covariance in the light of an outline and of free space."""
         state, covariance = taken_in(
             self.state, self.covariance, outline, (self.outlines[0], self.outlines[-1]),
-            len(self.outlines), space.now, beliefs,
+            len(self.outlines), (space.now.x, space.now.y), beliefs,
         )  # fmt: skip
         return space.narrow(state, covariance, outline, self._shown, self.straight_since)
-
-    def _unexplained(self, state: FloatArray, outline: Outline, beliefs: Beliefs) -> BoolArray:
-        """(k,) True for hits that a motion does not explain."""
-        others = unexplained(state, outline, self.outlines[-1], beliefs)
-        # A slow difference shows only over the longer time.
-        slow = unexplained(state, outline, self.outlines[0], beliefs)
-        return others if slow.all() else others | slow
 
     def _contradicted(self, state: FloatArray, outline: Outline, space: FreeSpace) -> bool:
         """True if a state (6,) is not what was expected of a mover whose motion is known, or not
@@ -282,3 +277,11 @@ class Track:
     def _forget_outlines(self) -> None:
         """Forgets which outlines are its own."""
         self.fullest, self.most, self.seen = NOTHING, 0, 0
+
+
+@compiled
+def _onward(
+    centre: FloatArray, state: FloatArray, covariance: FloatArray, elapsed: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """(2,) the place of a mover some seconds later, m, and its state and covariance then."""
+    return centre + state[:2] * elapsed, *carried_on(state, covariance, elapsed)

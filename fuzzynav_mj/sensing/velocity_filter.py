@@ -14,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
-from fuzzynav_mj.sensing.looks import Look
 from fuzzynav_mj.sensing.outline import Outline, end_before
 from fuzzynav_mj.sensing.registration import hold_against
 from fuzzynav_mj.types import FloatArray
@@ -76,6 +75,7 @@ def nothing_known(elapsed: float = 0.0) -> tuple[FloatArray, FloatArray]:
     return carried_on(np.zeros(STATE), np.diag(sigmas**2), elapsed)
 
 
+@compiled
 def squared_sigmas(x: float, y: float, covariance: FloatArray) -> float:
     """Squared standard deviations between two velocities that differ by (x, y), m/s.
 
@@ -83,7 +83,7 @@ def squared_sigmas(x: float, y: float, covariance: FloatArray) -> float:
         x, y: the difference.
         covariance: (6, 6) of a state, whose velocity is one of them.
     """
-    (xx, xy), (_, yy) = covariance[:2, :2].tolist()
+    xx, xy, yy = covariance[0, 0], covariance[0, 1], covariance[1, 1]
     squared: float = (yy * x * x - 2.0 * xy * x * y + xx * y * y) / (xx * yy - xy * xy)
     return squared
 
@@ -133,10 +133,11 @@ def taken_in(
     outline: Outline,
     earlier: tuple[Outline, Outline],
     count: int,
-    look: Look,
+    place: tuple[float, float],
     beliefs: Beliefs,
 ) -> tuple[FloatArray, FloatArray]:
-    """State (6,) and covariance (6, 6) after a look; see `Track.take_in` in tracking.py.
+    """State (6,) and covariance (6, 6) after a look from a place; see `Track.take_in` in
+    tracking.py.
 
     The first `count` of the earlier outlines count, of which the last one is that of the look that
     showed the mover last, and of whose ends the first one's.
@@ -147,7 +148,7 @@ def taken_in(
         fit = _Fit(prior.copy(), _times(prior, state), guess, doubt)
         for k in range(count):
             _add_surface(fit, outline, earlier[k], k == count - 1, beliefs)
-        _add_ends(fit, outline, earlier[0], look, beliefs)
+        _add_ends(fit, outline, earlier[0], place, beliefs)
         _add_steadiness(fit)
         posterior = _inverse(fit.information)
         guess, doubt = _times(posterior, fit.evidence), np.zeros((STATE, STATE))
@@ -196,9 +197,11 @@ def _add_surface(
 
 
 @compiled
-def _add_ends(fit: _Fit, outline: Outline, before: Outline, look: Look, beliefs: Beliefs) -> None:
-    """Adds the motion of an outline's ends across the lines of sight to them; the arguments are
-    those of `_add_surface`."""
+def _add_ends(
+    fit: _Fit, outline: Outline, before: Outline, place: tuple[float, float], beliefs: Beliefs
+) -> None:
+    """Adds the motion of an outline's ends across the lines of sight to them from a place, world
+    frame; the other arguments are those of `_add_surface`."""
     elapsed = outline.stamp - before.stamp
     if elapsed <= 0.0:
         return
@@ -212,7 +215,7 @@ def _add_ends(fit: _Fit, outline: Outline, before: Outline, look: Look, beliefs:
             if j < 0:
                 continue
             # What is nearer or farther along the line of sight may be another part of the mover.
-            sight_x, sight_y = outline.points[0, k] - look.x, outline.points[1, k] - look.y
+            sight_x, sight_y = outline.points[0, k] - place[0], outline.points[1, k] - place[1]
             length = max(hypot(sight_x, sight_y), 1e-9)
             across_x, across_y = -sight_y / length, sight_x / length
             moved_x = outline.points[0, k] - before.points[0, j]

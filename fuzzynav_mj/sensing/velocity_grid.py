@@ -59,6 +59,12 @@ def frame_of(covariance: FloatArray) -> Frame:
 
 
 @compiled
+def anything_open(covariance: FloatArray) -> bool:
+    """True if a state of this covariance (6, 6) leaves more than one motion worth a trial."""
+    return frame_of(covariance).steps > 1
+
+
+@compiled
 def _place(number: int, steps: int) -> float:
     """Place on an axis, in standard deviations, of one of so many steps."""
     return SPAN * (2.0 * number / (steps - 1) - 1.0) if steps > 1 else 0.0
