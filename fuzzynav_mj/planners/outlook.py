@@ -4,11 +4,12 @@ The speed cap lies here, below the fuzzy gate: a candidate is admissible only if
 short of everything that stands and of everything that this look has not seen.
 """
 
-from math import atan2, ceil, pi, sqrt
+from math import ceil, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
+from fuzzynav_mj.bearings import nearest_ray
 from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.planners.clearance import FAR, gaps_to_standing, place
 from fuzzynav_mj.planners.motions import Motions
@@ -147,9 +148,11 @@ def _prospects(
         place(placed, poses[i], facing[i])
         gaps_to_standing(gaps, placed, scene.standing, half_side, NEARBY)
         stop = _stop_in_time(found, i, gaps, margins, scene, surely_seen, brake_steps[i], slowing)
-        found.poses[i, stop + 1 :] = poses[i, stop]
-        for row in range(4):
-            placed[row, stop + 1 :] = placed[row, stop]
+        for j in range(stop + 1, periods):
+            for axis in range(3):
+                found.poses[i, j, axis] = poses[i, stop, axis]
+            for row in range(4):
+                placed[row, j] = placed[row, stop]
         hold_against_movers(found.alive[i], gaps, elsewhere, placed, scene, half_side)
         _meet_movers(found, i, gaps, elsewhere, scene)
     return found
@@ -179,11 +182,10 @@ def _stop_in_time(
     """
     stop = len(gaps) - 1
     for j in range(len(gaps)):
-        x, y, yaw = found.poses[i, j]
+        x, y, yaw = found.poses[i, j, 0], found.poses[i, j, 1], found.poses[i, j, 2]
         blocked = gaps[j] < margins[i, j]
         if not blocked and x * x + y * y > surely_seen:
-            rays = len(scene.ranges)
-            ray = round((atan2(y, x) + scene.turn) * (rays / (2 * pi))) % rays
+            ray = nearest_ray(x, y, -scene.turn, len(scene.ranges))
             blocked = x * x + y * y > scene.ranges[ray] ** 2
         if blocked:
             before = found.poses[i, j - 1, 2] if j > 0 else 0.0
@@ -192,8 +194,10 @@ def _stop_in_time(
             found.static_ok[i] = last >= 0
             stop = max(last, 0)
             break
-    found.static[i] = gaps[: stop + 1].min()
-    found.soon[i] = gaps[:SOON].min()
+    for j in range(stop + 1):
+        found.static[i] = min(found.static[i], gaps[j])
+    for j in range(SOON):
+        found.soon[i] = min(found.soon[i], gaps[j])
     return stop
 
 

@@ -10,6 +10,7 @@ or less by one standard deviation.
 """
 
 from math import cos, hypot, sin
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,41 +32,58 @@ LARGEST_DRIFT = 0.1  # m/s: ... this; and what is uncertain of a velocity counts
 ASTRAY_TIME = 0.8  # s: ... for so long
 
 
-def displacements(
-    obstacle: PerceivedObstacle, place: FloatArray, times: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """(ways, T, 2) displacements after each of `times` (T,) on every way it may go on; the
-    expected way comes first. And (ways,) how likely each is, in all 1.
+class Going(NamedTuple):
+    """How a mover goes on; also as a row of numbers (9,), which compiled functions take.
 
-    Args:
-        obstacle: a moving one.
-        place: (2,) of the robot, world frame.
-        times: s from now.
+    Attributes:
+        vx, vy: m/s.
+        turn_rate: rad/s.
+        closing_sigma: uncertainty of its speed towards the robot, m/s.
+        drift: speed at which it may go astray to the sides, m/s.
+        unsure_x, unsure_y: what else is uncertain of its velocity, m/s.
+        robot_x, robot_y: of the robot, from the mover's nearest point, m.
     """
+
+    vx: float
+    vy: float
+    turn_rate: float
+    closing_sigma: float
+    drift: float
+    unsure_x: float
+    unsure_y: float
+    robot_x: float
+    robot_y: float
+
+
+def going(obstacle: PerceivedObstacle, place: tuple[float, float]) -> Going:
+    """How a moving obstacle goes on, as the robot at `place`, world frame, sees it."""
     vx, vy = obstacle.velocity.tolist()
-    x, y = (place - obstacle.nearest_point).tolist()
-    drift = DRIFTS * min(max(obstacle.drift_sigma - STEADY, 0.0), LARGEST_DRIFT)
     unsure_x, unsure_y = obstacle.unsure.tolist()
-    return _displacements(
-        vx, vy, obstacle.turn_rate, obstacle.closing_sigma, drift, unsure_x, unsure_y, x, y, times
+    x, y = obstacle.nearest_point.tolist()
+    drift = DRIFTS * min(max(obstacle.drift_sigma - STEADY, 0.0), LARGEST_DRIFT)
+    return Going(
+        vx,
+        vy,
+        obstacle.turn_rate,
+        obstacle.closing_sigma,
+        drift,
+        unsure_x,
+        unsure_y,
+        place[0] - x,
+        place[1] - y,
     )
 
 
 @compiled
-def _displacements(
-    vx: float,
-    vy: float,
-    turn_rate: float,
-    closing_sigma: float,
-    drift: float,
-    unsure_x: float,
-    unsure_y: float,
-    x: float,
-    y: float,
-    times: FloatArray,
-) -> tuple[FloatArray, FloatArray]:
-    """See `displacements`; the robot is at (x, y) from the mover's nearest point, m, and the mover
-    may go astray to the sides at the speed `drift`, m/s."""
+def displacements(going: FloatArray, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(ways, T, 2) displacements after each of `times` (T,) on every way that a mover may go on;
+    the expected way comes first. And (ways,) how likely each is, in all 1.
+
+    Args:
+        going: (9,) of the mover, as in `Going`.
+        times: s from now.
+    """
+    vx, vy, turn_rate, closing_sigma, drift, unsure_x, unsure_y, x, y = going
     turns, surprises = abs(turn_rate) > TURNING, closing_sigma > UNCERTAIN
     unsure = hypot(unsure_x, unsure_y)
     guesses = unsure > UNCERTAIN

@@ -202,11 +202,11 @@ def thin(
 ) -> FloatArray:
     """Thins out hits (k, 2), in ray order, and centres them on the robot at `place`: densely kept
     near the robot, where a missing corner would matter, and ever more sparsely farther away."""
-    return _thin(np.ascontiguousarray(points), spacing, place)
+    return thin_around(np.ascontiguousarray(points), spacing, place)
 
 
 @compiled
-def _thin(points: FloatArray, spacing: float, place: tuple[float, float]) -> FloatArray:
+def thin_around(points: FloatArray, spacing: float, place: tuple[float, float]) -> FloatArray:
     """See `thin`. The first and the last point stay, and the last before each whole spacing."""
     kept = np.empty_like(points)
     count, last, way, before = 0, len(points) - 1, 0.0, 0.0

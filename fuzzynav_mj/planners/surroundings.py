@@ -1,21 +1,28 @@
 """What a perception means for the roll-outs: what stands, and where what moves will be."""
 
 from dataclasses import dataclass
-from math import atan2, cos, hypot, pi, sin
+from math import cos, hypot, sin
 
 import numpy as np
 
+from fuzzynav_mj.bearings import nearest_ray
 from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.planners.headings import HORIZON
 from fuzzynav_mj.planners.passing import OUTLOOK
-from fuzzynav_mj.planners.prediction import displacements
+from fuzzynav_mj.planners.prediction import displacements, going
 from fuzzynav_mj.planners.reach import range_of_line
-from fuzzynav_mj.planners.sight import Sight, thin
+from fuzzynav_mj.planners.sight import Sight, thin, thin_around
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray, Perception, Pose2D
 
 LONGEST_HIDDEN = 1.0  # m of an outline that is thought to go on behind a mover
 MOVER_SPACING = 0.10  # as `sight.SPACING`, for movers: their margins are wider
+NOTHING_MOVES = (
+    np.empty((OUTLOOK, 0, 2)),
+    np.empty((HORIZON, 0, 2)),
+    np.empty((0, 2), dtype=np.intp),
+    np.empty(0),
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,49 +57,69 @@ def surroundings(perception: Perception, pose: Pose2D, spec: RobotSpec) -> Surro
     points = thin(np.concatenate(standing), place=place) if standing else np.empty((0, 2))
     bearings = scan.bearings + pose.yaw
     ranges, hidden = scan.ranges, np.zeros(len(bearings), dtype=bool)
-    expected = [np.empty((OUTLOOK, 0, 2))]
-    possible = [np.empty((HORIZON, 0, 2))]
-    outlines: list[tuple[int, int]] = []
-    shares = [np.empty(0)]
+    moving, doubt = NOTHING_MOVES, 0.0
     if movers:
         hits = np.ascontiguousarray(np.concatenate([mover.points for mover in movers]))
         ranges, hidden, behind = _seen_through(ranges, bearings, hits, place, scan.max_range)
         points = np.concatenate((points, thin(behind)))
-        here, times = np.array(place), period_ends(spec, OUTLOOK)
-        for mover in movers:
-            outline = thin(mover.points, MOVER_SPACING, place)
-            ways, likely = displacements(mover, here, times)
-            onward, else_where = _carried(outline, ways, HORIZON)
-            outlines.append((len(outline), len(ways)))
-            shares.append(likely)
-            expected.append(onward)
-            possible.append(else_where)
-    return Surroundings(
-        Sight(points, bearings, ranges, scan.max_range, hidden),
-        np.concatenate(expected, axis=1),
-        np.concatenate(possible, axis=1),
-        np.array(outlines, dtype=np.intp).reshape(-1, 2),
-        np.concatenate(shares),
-        max((mover.closing_sigma for mover in movers), default=0.0),
-    )
+        sizes = np.array([len(mover.points) for mover in movers])
+        goings = np.array([going(mover, place) for mover in movers])
+        moving = _moving(hits, sizes, goings, place, spec.decision_period)
+        doubt = max(mover.closing_sigma for mover in movers)
+    sight = Sight(points, bearings, ranges, scan.max_range, hidden)
+    return Surroundings(sight, *moving, doubt)
 
 
 @compiled
-def _carried(points: FloatArray, ways: FloatArray, horizon: int) -> tuple[FloatArray, FloatArray]:
-    """(T, k, 2) points (k, 2) carried along the first of ways (w, T, 2), and (horizon, (w - 1) k,
-    2) along the others."""
-    count = len(points)
-    expected = np.empty((ways.shape[1], count, 2))
-    possible = np.empty((horizon, (len(ways) - 1) * count, 2))
-    for t in range(ways.shape[1]):
-        for k in range(count):
-            expected[t, k] = points[k, 0] + ways[0, t, 0], points[k, 1] + ways[0, t, 1]
-    for t in range(horizon):
-        for w in range(1, len(ways)):
-            for k in range(count):
-                place = (w - 1) * count + k
-                possible[t, place] = points[k, 0] + ways[w, t, 0], points[k, 1] + ways[w, t, 1]
-    return expected, possible
+def _moving(
+    hits: FloatArray,
+    sizes: IntArray,
+    goings: FloatArray,
+    place: tuple[float, float],
+    decision_period: float,
+) -> tuple[FloatArray, FloatArray, IntArray, FloatArray]:
+    """`expected`, `possible`, `outlines` and `shares` of `Surroundings`.
+
+    Args:
+        hits: (k, 2) of the movers, one after the other, world frame, m.
+        sizes: (movers,) how many each has.
+        goings: (movers, 9) how they go on, as in `Going`.
+        place: of the robot, world frame, m.
+        decision_period: s.
+    """
+    count = len(sizes)
+    times: FloatArray = np.arange(1, OUTLOOK + 1) * np.float64(decision_period)
+    points, ways = np.empty_like(hits), []
+    outlines, shares = np.empty((count, 2), dtype=np.intp), np.empty(0)
+    hit = thinned = others = 0
+    for m in range(count):
+        outline = thin_around(hits[hit : hit + sizes[m]], MOVER_SPACING, place)
+        hit += sizes[m]
+        points[thinned : thinned + len(outline)] = outline
+        thinned += len(outline)
+        onward, likely = displacements(goings[m], times)
+        ways.append(onward)
+        outlines[m, 0], outlines[m, 1] = len(outline), len(onward)
+        shares = np.concatenate((shares, likely))
+        others += len(outline) * (len(onward) - 1)
+    expected, possible = np.empty((OUTLOOK, thinned, 2)), np.empty((HORIZON, others, 2))
+    first = other = 0
+    for m in range(count):
+        outline = points[first : first + outlines[m, 0]]
+        _carry(expected[:, first : first + len(outline)], outline, ways[m][0])
+        first += len(outline)
+        for w in range(1, len(ways[m])):
+            _carry(possible[:, other : other + len(outline)], outline, ways[m][w])
+            other += len(outline)
+    return expected, possible, outlines, shares
+
+
+@compiled
+def _carry(places: FloatArray, points: FloatArray, way: FloatArray) -> None:
+    """Fills in the places (T, k, 2) of points (k, 2) carried along a way (at least T, 2)."""
+    for t in range(len(places)):
+        for k in range(len(points)):
+            places[t, k, 0], places[t, k, 1] = points[k, 0] + way[t, 0], points[k, 1] + way[t, 1]
 
 
 def period_ends(spec: RobotSpec, count: int = HORIZON) -> FloatArray:
@@ -120,8 +147,8 @@ def _seen_through(
     count = len(bearings)
     hidden = np.zeros(count, dtype=np.bool_)
     for k in range(len(movers)):
-        angle = atan2(movers[k, 1] - place[1], movers[k, 0] - place[0]) - bearings[0]
-        hidden[round(angle * (count / (2 * pi))) % count] = True
+        x, y = movers[k, 0] - place[0], movers[k, 1] - place[1]
+        hidden[nearest_ray(x, y, bearings[0], count)] = True
     free = np.where(hidden, max_range, ranges)
     behind, found = np.empty((count, 2)), 0
     for first in range(count):

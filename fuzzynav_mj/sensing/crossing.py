@@ -4,8 +4,9 @@ from math import ceil, floor, pi, sqrt
 
 import numpy as np
 
+from fuzzynav_mj.bearings import bearing_of
 from fuzzynav_mj.compiled import compiled
-from fuzzynav_mj.sensing.looks import Look, ray_number
+from fuzzynav_mj.sensing.looks import Look
 from fuzzynav_mj.sensing.outline import Outline
 from fuzzynav_mj.sensing.velocity_filter import gone_since
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
@@ -43,6 +44,7 @@ def first_across(
     middle_x, middle_y = points[0].mean(), points[1].mean()
     squared = (points[0] - middle_x) ** 2 + (points[1] - middle_y) ** 2
     reach = ranges.max() + sqrt(squared.max())
+    per_radian = count / (2 * pi)
     # One loop over all: a call for each would cost more than what it does.
     for h in range(len(tried)):
         if left_out[h]:
@@ -54,7 +56,7 @@ def first_across(
         ax = ay = before = 0.0
         for k in range(begin, len(joined)):
             bx, by = points[0, k] + at_x, points[1, k] + at_y
-            after = ray_number(bearing_of(bx, by) - look.yaw, count)
+            after = (bearing_of(bx, by) - look.yaw + pi) * per_radian
             across = False
             if k > begin and joined[k - 1]:
                 # A piece spans less than half a turn.
@@ -86,21 +88,3 @@ def pieces_across(outline: Outline, state: FloatArray, look: Look, margin: float
             break
         found[piece], begin = True, piece + 1
     return found
-
-
-@compiled
-def bearing_of(x: float, y: float) -> float:
-    """Bearing of a place, rad, to 1.2e-5: Abramowitz and Stegun, 4.4.49. Most of the time goes
-    here, and this takes a third of what the exact one does."""
-    ahead, aside = abs(x), abs(y)
-    share = min(ahead, aside) / max(ahead, aside, 1e-12)
-    square = share * share
-    angle = 0.0208351
-    for coefficient in (-0.0851330, 0.1801410, -0.3302995, 0.9998660):
-        angle = angle * square + coefficient
-    angle *= share
-    if aside > ahead:
-        angle = pi / 2 - angle
-    if x < 0.0:
-        angle = pi - angle
-    return angle if y >= 0.0 else -angle

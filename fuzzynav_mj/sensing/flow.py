@@ -5,14 +5,14 @@ earlier pose. On a surface that stands still the hit lies on that outline, howev
 the signed distance to it, along the outline's normal, is the surface's motion.
 """
 
-from collections.abc import Sequence
-from math import atan2, cos, hypot, sin
+from math import cos, hypot, pi, sin
 from typing import NamedTuple
 
 import numpy as np
 
+from fuzzynav_mj.bearings import ray_before
 from fuzzynav_mj.compiled import compiled
-from fuzzynav_mj.sensing.looks import SAME_FACE, Look, depth_behind, ray_number
+from fuzzynav_mj.sensing.looks import SAME_FACE, Look, depth_behind
 from fuzzynav_mj.sensing.segmentation import MOVING, STATIC, UNKNOWN, Hits
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
 
@@ -41,36 +41,8 @@ class PointFlow(NamedTuple):
     sigma: FloatArray
 
 
-def seen_to_move(
-    hits: Hits,
-    now: Look,
-    earlier: Sequence[Look],
-    top_speed: float,
-    margin: float,
-    max_range: float,
-    still: float,
-    certainty: float,
-) -> tuple[IntArray, BoolArray]:
-    """(m,) MOVING, STATIC or UNKNOWN for each hit, against the oldest and the newest remembered
-    look; and (m,) True for hits well inside of what was free space then.
-
-    Args:
-        hits: m of them.
-        now: the look they belong to.
-        earlier: remembered looks, the newest last.
-        top_speed: the fastest motion believed, m/s: a hit farther off belongs to another surface.
-        margin: how far inside free space a hit must lie to count as intruding, m.
-        max_range: the sensor's range, m.
-        still: a surface that moved less than this stands still, m.
-        certainty: standard deviations of noise beyond `still` that show motion.
-    """
-    looks = (earlier[0], earlier[-1]) if earlier else (now, now)
-    count = min(len(earlier), 2)
-    return _seen_to_move(hits, now, looks, count, top_speed, margin, max_range, still, certainty)
-
-
 @compiled
-def _seen_to_move(
+def seen_to_move(
     hits: Hits,
     now: Look,
     earlier: tuple[Look, Look],
@@ -81,7 +53,19 @@ def _seen_to_move(
     still: float,
     certainty: float,
 ) -> tuple[IntArray, BoolArray]:
-    """`seen_to_move` against the first `count` of two earlier looks."""
+    """(m,) MOVING, STATIC or UNKNOWN for each hit, against earlier looks; and (m,) True for hits
+    well inside of what was free space then.
+
+    Args:
+        hits: m of them.
+        now: the look they belong to.
+        earlier: of these, the newest last, the first `count` count.
+        top_speed: the fastest motion believed, m/s: a hit farther off belongs to another surface.
+        margin: how far inside free space a hit must lie to count as intruding, m.
+        max_range: the sensor's range, m.
+        still: a surface that moved less than this stands still, m.
+        certainty: standard deviations of noise beyond `still` that show motion.
+    """
     shape = count, len(hits.rays)
     flow = PointFlow(
         known=np.empty(shape, dtype=np.bool_),
@@ -116,12 +100,14 @@ def _compare(
         dx, dy = x - before.x, y - before.y
         forward, left = c * dx + s * dy, c * dy - s * dx
         distance = hypot(forward, left)
-        ray = int(ray_number(atan2(left, forward), count)) % count
+        ray = ray_before(forward, left, -pi, count)
         nx, ny = before.normals[0, ray], before.normals[1, ray]
         surface_x, surface_y = before.points[0, ray], before.points[1, ray]
         moved = (x - surface_x) * nx + (y - surface_y) * ny
         unsure = hypot(now.sigma[hits.rays[i]], before.sigma[ray])
-        sigma = _incidence(x - now.x, y - now.y, nx, ny) * unsure
+        sigma = 0.0
+        if unsure > 0.0:
+            sigma = _incidence(x - now.x, y - now.y, nx, ny) * unsure
         known = (
             flow.elapsed[row] > 0.0
             and before.joined[ray]

@@ -1,11 +1,12 @@
 """The part of a known mover that something nearer hides."""
 
-from math import atan2, hypot
+from math import hypot, pi
 
 import numpy as np
 
+from fuzzynav_mj.bearings import nearest_ray
 from fuzzynav_mj.compiled import compiled
-from fuzzynav_mj.sensing.looks import Look, ray_number
+from fuzzynav_mj.sensing.looks import Look
 from fuzzynav_mj.types import FloatArray
 
 IN_FRONT = 0.03  # m: what hides a point of a mover that is partly in sight is nearer by as much
@@ -30,7 +31,7 @@ def hidden_part(
         distance = hypot(dx, dy)
         if distance >= max_range:
             continue
-        ray = int(ray_number(atan2(dy, dx) - look.yaw, rays) + 0.5) % rays
+        ray = nearest_ray(dx, dy, look.yaw - pi, rays)
         if look.ranges[ray] < distance - in_front:
             found[count, 0], found[count, 1] = points[0, i], points[1, i]
             count += 1

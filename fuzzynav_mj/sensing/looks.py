@@ -1,10 +1,11 @@
 """One look: a scan with the pose it was taken from, its hits as points in the world frame."""
 
-from math import atan2, cos, hypot, pi, sin, sqrt
+from math import cos, hypot, pi, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
+from fuzzynav_mj.bearings import ray_before
 from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.sensing.cleaning import CleanScan
 from fuzzynav_mj.types import BoolArray, FloatArray, LaserScan, Pose2D
@@ -57,17 +58,11 @@ def take_clean_look(clean: CleanScan, pose: Pose2D) -> Look:
 
 
 @compiled
-def ray_number(bearing: float, count: int) -> float:
-    """Where between the rays, `count` all around, a bearing in the robot frame lies."""
-    return (bearing + pi) * (count / (2 * pi))
-
-
-@compiled
 def depth_behind(x: float, y: float, look: Look) -> float:
     """How much farther than a point the look's rays reach beside it, m."""
     count, dx, dy = len(look.ranges), x - look.x, y - look.y
-    ray = int(ray_number(atan2(dy, dx) - look.yaw, count))
-    reach: float = min(look.ranges[ray % count], look.ranges[(ray + 1) % count])
+    ray = ray_before(dx, dy, look.yaw - pi, count)
+    reach: float = min(look.ranges[ray], look.ranges[(ray + 1) % count])
     return reach - hypot(dx, dy)
 
 

@@ -12,27 +12,15 @@ import numpy as np
 
 from fuzzynav_mj.disturbance import PERFECT, Disturbance
 from fuzzynav_mj.robot import RobotSpec
-from fuzzynav_mj.sensing.claims import claimed, without_strangers
 from fuzzynav_mj.sensing.cleaning import clean_scan
 from fuzzynav_mj.sensing.expected import expected_outlines
-from fuzzynav_mj.sensing.flow import seen_to_move
 from fuzzynav_mj.sensing.free_space import LOOKS, FreeSpace
 from fuzzynav_mj.sensing.hidden import hidden_part
 from fuzzynav_mj.sensing.looks import Look, take_clean_look, take_look
 from fuzzynav_mj.sensing.outline import outline_around, outline_of
+from fuzzynav_mj.sensing.ownership import Motion, Owned, owners_of
 from fuzzynav_mj.sensing.perceived import perceived
-from fuzzynav_mj.sensing.segmentation import (
-    MOVING,
-    NEW,
-    STATIC,
-    Hits,
-    divide,
-    drop_single,
-    gather_hits,
-    moved_as_one,
-    owners_anew,
-    run_bounds,
-)
+from fuzzynav_mj.sensing.segmentation import NEW, STATIC, Hits, owners_anew, run_bounds
 from fuzzynav_mj.sensing.tracking import FORGET_AFTER, Track
 from fuzzynav_mj.sensing.uniting import absorb, are_one
 from fuzzynav_mj.sensing.velocity_filter import Beliefs
@@ -110,6 +98,16 @@ class Perceiver:
         self._unreliable = sensor.range_noise_m > 0.0 or sensor.dropouts > 0.0
         self._looks: deque[tuple[Look, BoolArray]] = deque(maxlen=max(LOOKS, settings.looks))
         self._tracks: list[Track] = []
+        self._motion = Motion(
+            settings.top_speed,
+            settings.margin,
+            spec.sensor_range,
+            settings.still,
+            settings.certainty,
+            settings.certainty * sqrt(2.0) * self._noise,
+            self._unreliable,
+            settings.mover_extent,
+        )
         self._beliefs = Beliefs(
             settings.flow_sigma,
             self._noise,
@@ -129,34 +127,19 @@ class Perceiver:
         earlier = [look for look, _ in self._looks][-self._settings.looks :]
         previous = earlier[-1] if earlier else None
         visibility = visibility_matrix(now, previous, scan.bearings, self._spec.rings)
-        hits = gather_hits(now)
-        settings, reach = self._settings, self._spec.sensor_range
-        flags, intrudes = seen_to_move(
-            hits, now, earlier, settings.top_speed, settings.margin, reach,
-            settings.still, settings.certainty,
-        )  # fmt: skip
-        if self._unreliable:
-            flags = drop_single(hits.first, flags)
-            intrudes &= flags == MOVING
         since = 0.0 if previous is None else now.stamp - previous.stamp
         for track in self._tracks:
             track.predict(since)
         expected = expected_outlines(self._tracks, 2.0 * self._noise)
-        elapsed = now.stamp - earlier[0].stamp if earlier else 0.0
-        still = settings.still + settings.certainty * sqrt(2.0) * self._noise
-        claims = claimed(hits, flags, expected, elapsed, still)
-        flags = moved_as_one(hits, flags, intrudes, settings.mover_extent)
-        owners = divide(hits, flags, claims, expected.centre, now, settings.mover_extent)
-        if previous is not None and self._tracks:
-            owners = without_strangers(hits, flags, claims, owners, expected, previous, since)
-        obstacles = self._obstacles(hits, flags, owners, now) + self._hidden(now)
+        compared = (earlier[0], earlier[-1]) if earlier else (now, now)
+        owned = owners_of(now, compared, min(len(earlier), 2), expected, self._motion)
+        obstacles = self._obstacles(owned, now) + self._hidden(now)
         self._tracks = [track for track in self._tracks if track.missed <= FORGET_AFTER]
         return Perception(scan, obstacles, visibility)
 
-    def _obstacles(
-        self, hits: Hits, flags: IntArray, owners: IntArray, now: Look
-    ) -> tuple[PerceivedObstacle, ...]:
+    def _obstacles(self, owned: Owned, now: Look) -> tuple[PerceivedObstacle, ...]:
         """What the hits belong to; takes them in."""
+        hits, flags, owners = owned
         known = list(self._tracks)
         space = FreeSpace(now, [look for look, _ in self._looks], self._noise)
         for number, track in enumerate(known):
@@ -182,9 +165,10 @@ class Perceiver:
                     tracks[index] = self._begin(chosen, hits, flags, taken, space)
         self._looks.append((now, taken))
         self._unite(spans, tracks, hits)
+        points = np.ascontiguousarray(hits.points.T)
         return tuple(
             perceived(
-                np.ascontiguousarray(hits.points[:, first:end].T),
+                points[first:end],
                 now,
                 track if self._moves(track) else None,
                 self._noise,

@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 from perceived import mover
 
 from fuzzynav_mj.geometry import rotation
-from fuzzynav_mj.planners.prediction import displacements
-from fuzzynav_mj.types import FloatArray
+from fuzzynav_mj.planners.prediction import displacements, going
+from fuzzynav_mj.types import FloatArray, PerceivedObstacle
 
 TIMES = (np.arange(16) + 1.0) * 0.1
-HERE = np.zeros(2)  # the robot's place
+HERE = (0.0, 0.0)  # the robot's place
 
 speeds = st.floats(0.05, 0.8)
 angles = st.floats(-pi, pi)
@@ -24,12 +24,18 @@ def ways(
     velocity: tuple[float, float],
     turn_rate: float = 0.0,
     closing_sigma: float = 0.0,
-    place: FloatArray = HERE,
+    place: tuple[float, float] = HERE,
     times: FloatArray = TIMES,
 ) -> list[FloatArray]:
     """The predictions for a mover whose nearest point is (0.6, 0)."""
     seen = mover([(0.6, 0.0), (0.65, 0.1)], velocity, turn_rate, closing_sigma)
-    return list(displacements(seen, place, times)[0])
+    return list(predicted(seen, place, times)[0])
+
+
+def predicted(
+    seen: PerceivedObstacle, place: tuple[float, float] = HERE, times: FloatArray = TIMES
+) -> tuple[FloatArray, FloatArray]:
+    return displacements(np.array(going(seen, place)), times)
 
 
 def among(found: list[FloatArray], wanted: FloatArray) -> bool:
@@ -105,10 +111,8 @@ def test_turned_world_turns_the_prediction(
     turn = rotation(angle)
     velocity = np.array([speed * cos(heading), speed * sin(heading)])
     points = np.array([(0.6, 0.0), (0.65, 0.1)])
-    plain, likely = displacements(mover(points, velocity, turn_rate, sigma), HERE, TIMES)
-    turned, as_likely = displacements(
-        mover(points @ turn.T, turn @ velocity, turn_rate, sigma), HERE, TIMES
-    )
+    plain, likely = predicted(mover(points, velocity, turn_rate, sigma))
+    turned, as_likely = predicted(mover(points @ turn.T, turn @ velocity, turn_rate, sigma))
     assert len(plain) == len(turned)
     np.testing.assert_allclose(likely, as_likely, rtol=1e-12)
     for one, other in zip(plain, turned, strict=True):
@@ -154,7 +158,7 @@ def test_a_mover_of_uncertain_direction_may_go_astray_to_both_sides() -> None:
 
     def widest(drift_sigma: float, time: int) -> float:
         seen = mover([(0.6, 0.0), (0.65, 0.1)], (-0.2, 0.0), drift_sigma=drift_sigma)
-        found, _ = displacements(seen, HERE, TIMES)
+        found, _ = predicted(seen)
         left, right = float(found[:, time, 1].max()), float(found[:, time, 1].min())
         assert left == pytest.approx(-right)
         return left
@@ -179,7 +183,7 @@ def test_the_expected_way_is_the_likeliest_and_turning_back_the_least_likely(
     speed: float, heading: float, turn_rate: float, sigma: float
 ) -> None:
     seen = mover([(0.6, 0.0)], (speed * cos(heading), speed * sin(heading)), turn_rate, sigma)
-    found, likely = displacements(seen, HERE, TIMES)
+    found, likely = predicted(seen)
     assert likely.shape == (len(found),) and likely.sum() == pytest.approx(1.0)
     assert likely.argmax() == 0
     going_back = found[:, 0] @ seen.velocity < -0.5 * 0.1 * speed**2
@@ -193,8 +197,8 @@ def test_a_mover_may_go_on_faster_or_slower_where_least_is_known_of_its_velocity
     known = mover(spots, velocity)
     for sigma, speed in ((0.12, 0.0), (0.3, 0.3), (0.8, 0.5)):
         seen = mover(spots, velocity, unsure=(0.0, sigma))
-        found, _ = displacements(seen, HERE, TIMES)
-        plain, _ = displacements(known, HERE, TIMES)
+        found, _ = predicted(seen)
+        plain, _ = predicted(known)
         assert len(found) == len(plain) + (2 if speed > 0.0 else 0)
         assert np.array_equal(found[: len(plain)], plain)
         aside = np.where(TIMES <= 0.8 + 1e-9, speed * TIMES, 0.0)

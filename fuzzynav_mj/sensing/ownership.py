@@ -1,0 +1,87 @@
+"""From a look to the owner of each of its hits: the steps between, in one compiled call."""
+
+from typing import NamedTuple
+
+from fuzzynav_mj.compiled import compiled
+from fuzzynav_mj.sensing.claims import claimed, without_strangers
+from fuzzynav_mj.sensing.expected import Expected
+from fuzzynav_mj.sensing.flow import seen_to_move
+from fuzzynav_mj.sensing.looks import Look
+from fuzzynav_mj.sensing.segmentation import (
+    MOVING,
+    Hits,
+    divide,
+    drop_single,
+    gather_hits,
+    moved_as_one,
+)
+from fuzzynav_mj.types import IntArray
+
+
+class Motion(NamedTuple):
+    """What shows that a hit moves.
+
+    Attributes:
+        top_speed: the fastest motion believed, m/s.
+        margin: how far inside former free space a hit must lie to count as intruding, m.
+        max_range: the sensor's, m.
+        still: a surface that moved less than this between the compared looks stands still, m.
+        certainty: standard deviations of noise beyond `still` that show motion.
+        slack: by how much more noise may move what stands, m.
+        unreliable: True if a single ray may be wrong.
+        mover_extent: the largest extent believed of a mover's visible side, m.
+    """
+
+    top_speed: float
+    margin: float
+    max_range: float
+    still: float
+    certainty: float
+    slack: float
+    unreliable: bool
+    mover_extent: float
+
+
+class Owned(NamedTuple):
+    """The hits of a look and whose they are.
+
+    Attributes:
+        hits: m of them.
+        flags: (m,) MOVING, STATIC or UNKNOWN for each hit.
+        owners: (m,) number of a known mover, `NEW` or `STANDS`.
+    """
+
+    hits: Hits
+    flags: IntArray
+    owners: IntArray
+
+
+@compiled
+def owners_of(
+    now: Look, earlier: tuple[Look, Look], count: int, expected: Expected, motion: Motion
+) -> Owned:
+    """The look's hits and their owners.
+
+    Args:
+        now: the look.
+        earlier: the first `count` count: the oldest that is compared and the newest.
+        expected: the known movers.
+        motion: what shows that a hit moves.
+    """
+    hits = gather_hits(now)
+    flags, intrudes = seen_to_move(
+        hits, now, earlier, count, motion.top_speed, motion.margin, motion.max_range,
+        motion.still, motion.certainty,
+    )  # fmt: skip
+    if motion.unreliable:
+        flags = drop_single(hits.first, flags)
+        intrudes &= flags == MOVING
+    elapsed = now.stamp - earlier[0].stamp
+    claims = claimed(hits, flags, expected, elapsed, motion.still + motion.slack)
+    flags = moved_as_one(hits, flags, intrudes, motion.mover_extent)
+    owners = divide(hits, flags, claims, expected.centre, now, motion.mover_extent)
+    if count > 0 and len(expected.reach) > 0:
+        previous = earlier[count - 1]
+        since = now.stamp - previous.stamp
+        owners = without_strangers(hits, flags, claims, owners, expected, previous, since)
+    return Owned(hits, flags, owners)
