@@ -18,7 +18,7 @@ from fuzzynav_mj.sensing.segmentation import (
 from fuzzynav_mj.types import IntArray
 
 
-class Motion(NamedTuple):
+class Evidence(NamedTuple):
     """What shows that a hit moves.
 
     Attributes:
@@ -26,7 +26,7 @@ class Motion(NamedTuple):
         margin: how far inside former free space a hit must lie to count as intruding, m.
         max_range: the sensor's, m.
         still: a surface that moved less than this between the compared looks stands still, m.
-        certainty: standard deviations of noise beyond `still` that show motion.
+        certainty: standard deviations of noise beyond `still` that show evidence.
         slack: by how much more noise may move what stands, m.
         unreliable: True if a single ray may be wrong.
         mover_extent: the largest extent believed of a mover's visible side, m.
@@ -58,7 +58,7 @@ class Owned(NamedTuple):
 
 @compiled
 def owners_of(
-    now: Look, earlier: tuple[Look, Look], count: int, expected: Expected, motion: Motion
+    now: Look, earlier: tuple[Look, Look], count: int, expected: Expected, evidence: Evidence
 ) -> Owned:
     """The look's hits and their owners.
 
@@ -66,20 +66,20 @@ def owners_of(
         now: the look.
         earlier: the first `count` count: the oldest that is compared and the newest.
         expected: the known movers.
-        motion: what shows that a hit moves.
+        evidence: what shows that a hit moves.
     """
     hits = gather_hits(now)
     flags, intrudes = seen_to_move(
-        hits, now, earlier, count, motion.top_speed, motion.margin, motion.max_range,
-        motion.still, motion.certainty,
+        hits, now, earlier, count, evidence.top_speed, evidence.margin, evidence.max_range,
+        evidence.still, evidence.certainty,
     )  # fmt: skip
-    if motion.unreliable:
+    if evidence.unreliable:
         flags = drop_single(hits.first, flags)
         intrudes &= flags == MOVING
     elapsed = now.stamp - earlier[0].stamp
-    claims = claimed(hits, flags, expected, elapsed, motion.still + motion.slack)
-    flags = moved_as_one(hits, flags, intrudes, motion.mover_extent)
-    owners = divide(hits, flags, claims, expected.centre, now, motion.mover_extent)
+    claims = claimed(hits, flags, expected, elapsed, evidence.still + evidence.slack)
+    flags = moved_as_one(hits, flags, intrudes, evidence.mover_extent)
+    owners = divide(hits, flags, claims, expected.centre, now, evidence.mover_extent)
     if count > 0 and len(expected.reach) > 0:
         previous = earlier[count - 1]
         since = now.stamp - previous.stamp

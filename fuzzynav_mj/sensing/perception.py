@@ -18,7 +18,7 @@ from fuzzynav_mj.sensing.free_space import LOOKS, FreeSpace
 from fuzzynav_mj.sensing.hidden import hidden_part
 from fuzzynav_mj.sensing.looks import Look, take_clean_look, take_look
 from fuzzynav_mj.sensing.outline import outline_around, outline_of
-from fuzzynav_mj.sensing.ownership import Motion, Owned, owners_of
+from fuzzynav_mj.sensing.ownership import Evidence, Owned, owners_of
 from fuzzynav_mj.sensing.perceived import perceived
 from fuzzynav_mj.sensing.segmentation import NEW, STATIC, Hits, owners_anew, run_bounds
 from fuzzynav_mj.sensing.tracking import FORGET_AFTER, Track
@@ -98,7 +98,7 @@ class Perceiver:
         self._unreliable = sensor.range_noise_m > 0.0 or sensor.dropouts > 0.0
         self._looks: deque[tuple[Look, BoolArray]] = deque(maxlen=max(LOOKS, settings.looks))
         self._tracks: list[Track] = []
-        self._motion = Motion(
+        self._evidence = Evidence(
             settings.top_speed,
             settings.margin,
             spec.sensor_range,
@@ -132,7 +132,7 @@ class Perceiver:
             track.predict(since)
         expected = expected_outlines(self._tracks, 2.0 * self._noise)
         compared = (earlier[0], earlier[-1]) if earlier else (now, now)
-        owned = owners_of(now, compared, min(len(earlier), 2), expected, self._motion)
+        owned = owners_of(now, compared, min(len(earlier), 2), expected, self._evidence)
         obstacles = self._obstacles(owned, now) + self._hidden(now)
         self._tracks = [track for track in self._tracks if track.missed <= FORGET_AFTER]
         return Perception(scan, obstacles, visibility)
