@@ -5,7 +5,6 @@ held against the scan and against the predicted motion of what moves; the three 
 the gate judges the chosen next position and may have the alternative of lowest risk taken instead.
 """
 
-from dataclasses import dataclass
 from math import atan2, cos, hypot, inf, sin
 from typing import ClassVar, Literal
 
@@ -27,18 +26,16 @@ from fuzzynav_mj.planners.priorities import (
     secondary_costs,
 )
 from fuzzynav_mj.planners.scene import Scene, scene_around
-from fuzzynav_mj.planners.sectors import as_fuzzy_inputs, sector_distances
 from fuzzynav_mj.planners.settings import DecisionSettings
 from fuzzynav_mj.planners.steering import position_after
 from fuzzynav_mj.planners.surroundings import surroundings
+from fuzzynav_mj.planners.verdict import verdict_on
 from fuzzynav_mj.types import (
     Behaviour,
     BoolArray,
     CandidateSet,
     Decision,
     FloatArray,
-    FuzzyInputs,
-    IntArray,
     Perception,
     Pose2D,
 )
@@ -101,7 +98,8 @@ class MultilayerPlanner:
         cost, alone = self._costs(motions, outlook, target, pose, dock, passing)
         candidates = _candidates(motions, outlook, cost, pose)
         first = self._choose(cost, outlook, scene, passing, self._kept(motions, pose), pose.yaw)
-        verdict = self._judge(first, motions, candidates, pose, perception)
+        travel = motions.direction + pose.yaw
+        verdict = verdict_on(first, candidates, travel, perception, self._spec, self._gate)
         chosen = verdict.chosen
         self._travel = float(motions.direction[chosen]) + pose.yaw
         self._evading = not outlook.admissible[chosen]
@@ -186,59 +184,6 @@ class MultilayerPlanner:
             return int((lasts + EVASION_BONUS * kept).argmax())
         return int(outlook.soon.argmax())
 
-    def _judge(
-        self,
-        chosen: int,
-        motions: Motions,
-        candidates: CandidateSet,
-        pose: Pose2D,
-        perception: Perception,
-    ) -> "_Verdict":
-        """Applies the gate to the chosen next position; notes the risks that it has to know."""
-        risks = candidates.risk
-        if self._gate is None:
-            return _Verdict(chosen, None, False)
-        travel = motions.direction + pose.yaw
-        pick = slice(chosen, chosen + 1)
-        inputs = as_fuzzy_inputs(self._distances(pick, candidates, travel, perception)[0])
-        risks[chosen] = self._gate.risk(inputs)
-        if self._gate.accepts(float(risks[chosen])):
-            return _Verdict(chosen, inputs, False)
-        pool = np.flatnonzero(candidates.admissible)
-        if len(pool) == 0:
-            return _Verdict(chosen, inputs, False)
-        # The gate may slow the robot, or lead it round, but a way back out is no alternative.
-        cost = candidates.cost
-        standing_still = min(float(cost[-1]), float(cost[pool].max()))
-        onward = pool[cost[pool] <= (cost[chosen] + standing_still) / 2]
-        pool = onward if len(onward) else pool
-        alternatives = self._distances(pool, candidates, travel, perception)
-        risks[pool] = self._gate.risks(alternatives)
-        worth = np.where(np.isnan(risks[pool]), np.inf, risks[pool])
-        if np.isinf(worth).all():
-            # No rule speaks of any alternative: nothing is known to be safe, so stand still.
-            return _Verdict(len(risks) - 1, inputs, True)
-        best = int(np.lexsort((candidates.cost[pool], worth.round(1)))[0])
-        taken = int(pool[best])
-        return _Verdict(taken, as_fuzzy_inputs(alternatives[best]), taken != chosen)
-
-    def _distances(
-        self,
-        rows: IntArray | slice,
-        candidates: CandidateSet,
-        travel: FloatArray,
-        seen: Perception,
-    ) -> FloatArray:
-        """(k, 6) fuzzy inputs of the candidates `rows`, that travel in directions (m,)."""
-        spec = self._spec
-        return sector_distances(
-            candidates.positions[rows],
-            travel[rows],
-            seen.obstacles,
-            spec.decision_period,
-            spec.sensor_range,
-        )
-
     def _kept(self, motions: Motions, pose: Pose2D) -> BoolArray:
         """(m,) True for the candidates that go on as the robot is evading now."""
         if self._travel is None or not self._evading:
@@ -270,15 +215,6 @@ class MultilayerPlanner:
         elif observation.stamp - anchor[2] > self._settings.stuck_time:
             return "stuck"
         return None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Verdict:
-    """The gate's verdict: what is taken, its inputs, whether it changed."""
-
-    chosen: int
-    inputs: FuzzyInputs | None
-    vetoed: bool
 
 
 def _candidates(motions: Motions, outlook: Outlook, cost: FloatArray, pose: Pose2D) -> CandidateSet:
