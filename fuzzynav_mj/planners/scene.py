@@ -10,7 +10,7 @@ import numpy as np
 from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.planners.headings import HORIZON
 from fuzzynav_mj.planners.settings import DecisionSettings
-from fuzzynav_mj.planners.surroundings import Surroundings, period_ends
+from fuzzynav_mj.planners.surroundings import Surroundings
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.types import FloatArray, IntArray, Pose2D
 
@@ -95,7 +95,7 @@ class _Growing:
 
 @lru_cache(maxsize=8)
 def _growing(spec: RobotSpec, settings: DecisionSettings) -> _Growing:
-    times = period_ends(spec)
+    times: FloatArray = np.arange(1, HORIZON + 1) * np.float64(spec.decision_period)
     berth_times = np.minimum(times, settings.moving_gap_time)
     return _Growing(
         times=times,

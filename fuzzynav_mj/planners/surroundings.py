@@ -122,11 +122,6 @@ def _carry(places: FloatArray, points: FloatArray, way: FloatArray) -> None:
             places[t, k, 0], places[t, k, 1] = points[k, 0] + way[t, 0], points[k, 1] + way[t, 1]
 
 
-def period_ends(spec: RobotSpec, count: int = HORIZON) -> FloatArray:
-    """(count,) ends of the decision periods to come, s from now."""
-    return np.arange(1, count + 1, dtype=np.float64) * spec.decision_period
-
-
 @compiled
 def _seen_through(
     ranges: FloatArray,

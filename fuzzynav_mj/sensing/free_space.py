@@ -143,7 +143,8 @@ def _narrow(
     noise: float,
     since: float,
 ) -> tuple[FloatArray, FloatArray]:
-    """See `FreeSpace.narrow`; of earlier outlines and looks, the newest first, so many count."""
+    """See `FreeSpace.narrow`, where something is uncertain; of earlier outlines and looks, the
+    newest first, so many count."""
     frame = frame_of(covariance)
     places, tried, likely = motions(frame)
     ruled_out = np.zeros(len(tried), dtype=np.bool_)
