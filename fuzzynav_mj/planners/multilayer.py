@@ -101,7 +101,7 @@ class MultilayerPlanner:
         travel = motions.direction + pose.yaw
         verdict = verdict_on(first, candidates, travel, perception, self._spec, self._gate)
         chosen = verdict.chosen
-        self._travel = float(motions.direction[chosen]) + pose.yaw
+        self._travel = float(travel[chosen])
         self._evading = not outlook.admissible[chosen]
         v, omega = motions.speeds[chosen].tolist()
         next_position = position_after(v, omega, pose, observation.twist, self._spec)
