@@ -12,6 +12,7 @@ import numpy as np
 
 from fuzzynav_mj.bearings import ray_before
 from fuzzynav_mj.compiled import compiled
+from fuzzynav_mj.sensing.evidence import Evidence
 from fuzzynav_mj.sensing.looks import SAME_FACE, Look, depth_behind
 from fuzzynav_mj.sensing.segmentation import MOVING, STATIC, UNKNOWN, Hits
 from fuzzynav_mj.types import BoolArray, FloatArray, IntArray
@@ -47,11 +48,8 @@ def seen_to_move(
     now: Look,
     earlier: tuple[Look, Look],
     count: int,
-    top_speed: float,
-    margin: float,
-    max_range: float,
-    still: float,
-    certainty: float,
+    older: tuple[Look, Look],
+    evidence: Evidence,
 ) -> tuple[IntArray, BoolArray]:
     """(m,) MOVING, STATIC or UNKNOWN for each hit, against earlier looks; and (m,) True for hits
     well inside of what was free space then.
@@ -60,11 +58,8 @@ def seen_to_move(
         hits: m of them.
         now: the look they belong to.
         earlier: of these, the newest last, the first `count` count.
-        top_speed: the fastest motion believed, m/s: a hit farther off belongs to another surface.
-        margin: how far inside free space a hit must lie to count as intruding, m.
-        max_range: the sensor's range, m.
-        still: a surface that moved less than this stands still, m.
-        certainty: standard deviations of noise beyond `still` that show motion.
+        older: looks before those, that tell what stands where rays are unreliable.
+        evidence: what shows that a hit moves.
     """
     shape = count, len(hits.rays)
     flow = PointFlow(
@@ -77,8 +72,15 @@ def seen_to_move(
     )
     for row in range(count):
         flow.elapsed[row] = now.stamp - earlier[row].stamp
-        _compare(hits, now, earlier[row], top_speed, margin, max_range, flow, row)
-    return _flags(flow, still, certainty), flow.intruding
+        _compare(hits, now, earlier[row], evidence, flow, row)
+    if evidence.unreliable:
+        within = max(evidence.certainty * evidence.noise, LEVEL)
+        for i in flow.intruding.nonzero()[0]:
+            x, y = hits.points[0, i], hits.points[1, i]
+            for look in older:
+                if _met_before(x, y, now, look, within):
+                    flow.intruding[i] = False
+    return _flags(flow, evidence.still, evidence.certainty), flow.intruding
 
 
 @compiled
@@ -86,15 +88,13 @@ def _compare(
     hits: Hits,
     now: Look,
     before: Look,
-    top_speed: float,
-    margin: float,
-    max_range: float,
+    evidence: Evidence,
     flow: PointFlow,
     row: int,
 ) -> None:
     """Fills in the row of `flow` for one earlier look; see `seen_to_move`."""
     count, c, s = len(before.ranges), cos(before.yaw), sin(before.yaw)
-    reach = top_speed * flow.elapsed[row] + REACH_MARGIN
+    reach = evidence.top_speed * flow.elapsed[row] + REACH_MARGIN
     for i in range(len(hits.rays)):
         x, y = hits.points[0, i], hits.points[1, i]
         dx, dy = x - before.x, y - before.y
@@ -113,7 +113,7 @@ def _compare(
             and before.joined[ray]
             and before.straight[ray]
             and abs(moved) <= reach + 2.0 * sigma
-            and distance < max_range
+            and distance < evidence.max_range
             # Beside a corner that moved, the hit may lie on another face than the one seen there
             # before.
             and _faces_along(nx, ny, hits.rays[i], now)
@@ -122,11 +122,65 @@ def _compare(
         # hid this hit before. It has moved if the place where it was is seen to be free now.
         if known and moved < -LEVEL:
             known = depth_behind(surface_x, surface_y, now) > -0.5 * moved
-        # Between two rays only what is nearer than both was certainly seen to be free.
-        free = min(before.ranges[ray], before.ranges[(ray + 1) % count])
+        # Noise along the ray of now shifts the hit across the one of then: beside the end of a wall
+        # even to where rays went by.
+        across = abs(dx * (y - now.y) - dy * (x - now.x)) / now.ranges[hits.rays[i]]
+        free = _surely_free(before, ray, 2.0 * unsure * across / max(distance, 1e-9) ** 2)
         flow.known[row, i], flow.distance[row, i], flow.sigma[row, i] = known, moved, sigma
         flow.normals[row, 0, i], flow.normals[row, 1, i] = nx, ny
-        flow.intruding[i] |= distance < free - (margin + 2.0 * unsure)
+        flow.intruding[i] |= distance < free - (evidence.margin + 2.0 * unsure)
+
+
+@compiled
+def _surely_free(look: Look, ray: int, aside: float) -> float:
+    """How far it was certainly free around a place, m: only what is nearer than all rays beside it.
+
+    Args:
+        look: of that time.
+        ray: its last ray before the place; the next one is after it.
+        aside: angle by which the place may be off, rad.
+    """
+    count = len(look.ranges)
+    more, free = int(aside * count / (2 * pi)), np.inf
+    for k in range(ray - more, ray + more + 2):
+        free = min(free, look.ranges[k % count])
+    return free
+
+
+@compiled
+def _met_before(x: float, y: float, now: Look, before: Look, within: float) -> bool:
+    """True if a look met something where a hit of now may truly be. A ray that was lost since then
+    passes for one that went by.
+
+    Args:
+        x, y: the hit; it may lie half the way to the next ray to either side and, ...
+        now: the look it belongs to.
+        before: an earlier one.
+        within: ... on its ray, so much farther or nearer, m.
+    """
+    reach = hypot(x - now.x, y - now.y)
+    c, s = (x - now.x) / reach, (y - now.y) / reach
+    beside = reach * pi / len(now.ranges)
+    for ray in range(len(before.hit)):
+        if not before.hit[ray]:
+            continue
+        # From this hit to the next one on its surface, as seen from the hit of now.
+        after = (ray + 1) % len(before.hit) if before.joined[ray] else ray
+        dx, dy = before.points[0, ray] - x, before.points[1, ray] - y
+        ahead, aside = c * dx + s * dy, c * dy - s * dx
+        dx, dy = before.points[0, after] - x, before.points[1, after] - y
+        on_ahead, on_aside = c * dx + s * dy - ahead, c * dy - s * dx - aside
+        # The shares of the way between which it lies on the ray.
+        first, last = (0.0, 1.0) if abs(aside) <= beside else (1.0, 0.0)
+        if abs(on_aside) > 1e-9:
+            one, other = (-beside - aside) / on_aside, (beside - aside) / on_aside
+            first, last = max(min(one, other), 0.0), min(max(one, other), 1.0)
+        if first > last:
+            continue
+        one, other = ahead + first * on_ahead, ahead + last * on_ahead
+        if min(one, other) <= within and max(one, other) >= -within:
+            return True
+    return False
 
 
 @compiled

@@ -1,9 +1,11 @@
 """From a look to the owner of each of its hits: the steps between, in one compiled call."""
 
+from math import sqrt
 from typing import NamedTuple
 
 from fuzzynav_mj.compiled import compiled
 from fuzzynav_mj.sensing.claims import claimed, without_strangers
+from fuzzynav_mj.sensing.evidence import Evidence
 from fuzzynav_mj.sensing.expected import Expected
 from fuzzynav_mj.sensing.flow import seen_to_move
 from fuzzynav_mj.sensing.looks import Look
@@ -16,30 +18,6 @@ from fuzzynav_mj.sensing.segmentation import (
     moved_as_one,
 )
 from fuzzynav_mj.types import IntArray
-
-
-class Evidence(NamedTuple):
-    """What shows that a hit moves.
-
-    Attributes:
-        top_speed: the fastest motion believed, m/s.
-        margin: how far inside former free space a hit must lie to count as intruding, m.
-        max_range: the sensor's, m.
-        still: a surface that moved less than this between the compared looks stands still, m.
-        certainty: standard deviations of noise beyond `still` that show evidence.
-        slack: by how much more noise may move what stands, m.
-        unreliable: True if a single ray may be wrong.
-        mover_extent: the largest extent believed of a mover's visible side, m.
-    """
-
-    top_speed: float
-    margin: float
-    max_range: float
-    still: float
-    certainty: float
-    slack: float
-    unreliable: bool
-    mover_extent: float
 
 
 class Owned(NamedTuple):
@@ -58,26 +36,30 @@ class Owned(NamedTuple):
 
 @compiled
 def owners_of(
-    now: Look, earlier: tuple[Look, Look], count: int, expected: Expected, evidence: Evidence
+    now: Look,
+    earlier: tuple[Look, Look],
+    count: int,
+    older: tuple[Look, Look],
+    expected: Expected,
+    evidence: Evidence,
 ) -> Owned:
     """The look's hits and their owners.
 
     Args:
         now: the look.
         earlier: the first `count` count: the oldest that is compared and the newest.
+        older: looks before those; any, where rays are reliable.
         expected: the known movers.
         evidence: what shows that a hit moves.
     """
     hits = gather_hits(now)
-    flags, intrudes = seen_to_move(
-        hits, now, earlier, count, evidence.top_speed, evidence.margin, evidence.max_range,
-        evidence.still, evidence.certainty,
-    )  # fmt: skip
+    flags, intrudes = seen_to_move(hits, now, earlier, count, older, evidence)
     if evidence.unreliable:
         flags = drop_single(hits.first, flags)
         intrudes &= flags == MOVING
     elapsed = now.stamp - earlier[0].stamp
-    claims = claimed(hits, flags, expected, elapsed, evidence.still + evidence.slack)
+    slack = evidence.certainty * sqrt(2.0) * evidence.noise  # noise moves what stands, too
+    claims = claimed(hits, flags, expected, elapsed, evidence.still + slack)
     flags = moved_as_one(hits, flags, intrudes, evidence.mover_extent)
     owners = divide(hits, flags, claims, expected.centre, now, evidence.mover_extent)
     if count > 0 and len(expected.reach) > 0:

@@ -6,19 +6,20 @@ The memory is a few looks and the tracks of movers in sight: nothing of the worl
 from collections import deque
 from dataclasses import dataclass
 from itertools import pairwise
-from math import hypot, sqrt
+from math import hypot
 
 import numpy as np
 
 from fuzzynav_mj.disturbance import PERFECT, Disturbance
 from fuzzynav_mj.robot import RobotSpec
 from fuzzynav_mj.sensing.cleaning import clean_scan
+from fuzzynav_mj.sensing.evidence import Evidence
 from fuzzynav_mj.sensing.expected import expected_outlines
 from fuzzynav_mj.sensing.free_space import LOOKS, FreeSpace
 from fuzzynav_mj.sensing.hidden import hidden_part
 from fuzzynav_mj.sensing.looks import Look, take_clean_look, take_look
 from fuzzynav_mj.sensing.outline import outline_around, outline_of
-from fuzzynav_mj.sensing.ownership import Evidence, Owned, owners_of
+from fuzzynav_mj.sensing.ownership import Owned, owners_of
 from fuzzynav_mj.sensing.perceived import perceived
 from fuzzynav_mj.sensing.segmentation import NEW, STATIC, Hits, owners_anew, run_bounds
 from fuzzynav_mj.sensing.tracking import FORGET_AFTER, Track
@@ -104,7 +105,7 @@ class Perceiver:
             spec.sensor_range,
             settings.still,
             settings.certainty,
-            settings.certainty * sqrt(2.0) * self._noise,
+            self._noise,
             self._unreliable,
             settings.mover_extent,
         )
@@ -124,7 +125,8 @@ class Perceiver:
             now = take_clean_look(clean, pose) if self._noise > 0.0 else take_look(scan, pose)
         else:
             now = take_look(scan, pose)
-        earlier = [look for look, _ in self._looks][-self._settings.looks :]
+        past = [look for look, _ in self._looks]
+        earlier = past[-self._settings.looks :]
         previous = earlier[-1] if earlier else None
         visibility = visibility_matrix(now, previous, scan.bearings, self._spec.rings)
         since = 0.0 if previous is None else now.stamp - previous.stamp
@@ -132,7 +134,8 @@ class Perceiver:
             track.predict(since)
         expected = expected_outlines(self._tracks, 2.0 * self._noise)
         compared = (earlier[0], earlier[-1]) if earlier else (now, now)
-        owned = owners_of(now, compared, min(len(earlier), 2), expected, self._evidence)
+        older = (past[0], past[max(len(past) - 3, 0)]) if past else (now, now)
+        owned = owners_of(now, compared, min(len(earlier), 2), older, expected, self._evidence)
         obstacles = self._obstacles(owned, now) + self._hidden(now)
         self._tracks = [track for track in self._tracks if track.missed <= FORGET_AFTER]
         return Perception(scan, obstacles, visibility)

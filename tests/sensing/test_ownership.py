@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from made_scans import HERE, REACH, scan_of, square
 
+from fuzzynav_mj.sensing.evidence import Evidence
 from fuzzynav_mj.sensing.expected import NOBODY
 from fuzzynav_mj.sensing.looks import take_look
-from fuzzynav_mj.sensing.ownership import Evidence, Owned, owners_of
+from fuzzynav_mj.sensing.ownership import Owned, owners_of
 from fuzzynav_mj.sensing.segmentation import NEW, STANDS
 
 WALL = np.array([[-0.6, 0.5], [0.6, 0.5], [0.6, 0.6], [-0.6, 0.6]])
@@ -18,7 +19,7 @@ def owned(speed: float, looks: int, still: float = 0.01) -> Owned:
     now = take_look(scan_of([WALL, square(0.6 - 0.1 * speed, 0.0)], 0.1), HERE)
     evidence = Evidence(0.9, 0.05, REACH, still, 2.0, 0.0, False, 0.7)
     earlier = (before, before) if looks else (now, now)
-    return owners_of(now, earlier, looks, NOBODY, evidence)
+    return owners_of(now, earlier, looks, earlier, NOBODY, evidence)
 
 
 @pytest.mark.parametrize("speed", [0.12, 0.3, 0.8])
