@@ -20,6 +20,7 @@ MISFIT = 2.0  # standard deviations of the sum of squares around what the noise 
 BEND = 2.0  # standard deviations by which the middle may stand out from the line
 JUMP = 0.10  # m: neighbouring hits farther apart in range, noise aside, end a stretch
 LONGEST_GAP = 3  # missing rays that a stretch bridges
+NEAREST = 0.02  # m: noise may tell of less, even of none, but nothing comes so near
 LEAST_NOISE = 0.001  # m: less is not worth the effort; more must be believed of missing rays
 
 
@@ -84,7 +85,7 @@ def _on_lines(
         if not hit[k]:
             gap += 1
             continue
-        here = max(ranges[k], 0.02)
+        here = max(ranges[k], NEAREST)
         if gap > LONGEST_GAP or abs(here - last) > JUMP + 3.0 * noise + 0.1 * here * gap:
             breaks[k + 1] += 1
             recent = here
@@ -92,7 +93,7 @@ def _on_lines(
         around, number = 0.0, 0
         for j in range(max(k - 2, 0), min(k + 3, total)):
             if hit[j] and abs(ranges[j] - here) < JUMP + 3.0 * noise:
-                around += ranges[j]
+                around += max(ranges[j], NEAREST)
                 number += 1
         recent = around / number
         last, gap = here, 0
@@ -112,7 +113,7 @@ def _on_lines(
     for i in range(count):
         k = i + margin
         if hit[k]:
-            new_ranges[i], new_hit[i] = ranges[k], True
+            new_ranges[i], new_hit[i] = max(ranges[k], NEAREST), True
         best = np.inf
         for length in STRETCHES:
             for place in range(PLACES + 1):
@@ -132,7 +133,7 @@ def _on_lines(
                 xq = sums[end, 3] - sums[first, 3]
                 yq = sums[end, 4] - sums[first, 4]
                 det = xx * yy - xy * xy
-                if det < 1e-9 * xx * yy:
+                if det <= 1e-9 * xx * yy:
                     continue
                 a, b = (yy * xq - xy * yq) / det, (xx * yq - xy * xq) / det
                 q = a * c[k] + b * s[k]

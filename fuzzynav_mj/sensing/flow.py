@@ -124,7 +124,8 @@ def _compare(
             known = depth_behind(surface_x, surface_y, now) > -0.5 * moved
         # Noise along the ray of now shifts the hit across the one of then: beside the end of a wall
         # even to where rays went by.
-        across = abs(dx * (y - now.y) - dy * (x - now.x)) / now.ranges[hits.rays[i]]
+        range_now = max(now.ranges[hits.rays[i]], 1e-9)
+        across = abs(dx * (y - now.y) - dy * (x - now.x)) / range_now
         free = _surely_free(before, ray, 2.0 * unsure * across / max(distance, 1e-9) ** 2)
         flow.known[row, i], flow.distance[row, i], flow.sigma[row, i] = known, moved, sigma
         flow.normals[row, 0, i], flow.normals[row, 1, i] = nx, ny
@@ -158,7 +159,7 @@ def _met_before(x: float, y: float, now: Look, before: Look, within: float) -> b
         before: an earlier one.
         within: ... on its ray, so much farther or nearer, m.
     """
-    reach = hypot(x - now.x, y - now.y)
+    reach = max(hypot(x - now.x, y - now.y), 1e-9)
     c, s = (x - now.x) / reach, (y - now.y) / reach
     beside = reach * pi / len(now.ranges)
     for ray in range(len(before.hit)):

@@ -4,6 +4,8 @@ from math import pi
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from fuzzynav_mj.sensing.cleaning import clean_scan
 from fuzzynav_mj.types import FloatArray, LaserScan
@@ -68,3 +70,17 @@ def test_mirrored_scan_is_cleaned_to_the_mirror_image() -> None:
     one = clean_scan(scan_of(noisy), 0.01).scan.ranges
     other = clean_scan(scan_of(mirrored), 0.01).scan.ranges
     assert float(np.abs(one - np.roll(other[::-1], 1)).mean()) < 2e-3
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.floats(0.0, 0.1), st.floats(0.0, 1.0), st.floats(0.0, 0.5))
+def test_any_scan_comes_out_with_positive_ranges_and_uncertainties(
+    seed: int, noise: float, near: float, lost: float
+) -> None:
+    """Also one with ranges of nought, which noise makes of near ones."""
+    rng = np.random.default_rng(seed)
+    ranges = np.where(rng.random(COUNT) < near, 0.0, np.clip(rng.normal(0.1, 0.1, COUNT), 0.0, 0.7))
+    ranges[rng.random(COUNT) < lost] = RANGE
+    clean = clean_scan(scan_of(ranges), noise)
+    assert (clean.scan.ranges > 0.0).all() and (clean.scan.ranges <= RANGE).all()
+    assert (clean.sigma > 0.0).all() and np.isfinite(clean.normals).all()
