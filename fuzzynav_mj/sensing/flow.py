@@ -46,9 +46,8 @@ class PointFlow(NamedTuple):
 def seen_to_move(
     hits: Hits,
     now: Look,
-    earlier: tuple[Look, Look],
+    earlier: tuple[Look, ...],
     count: int,
-    older: tuple[Look, Look],
     evidence: Evidence,
 ) -> tuple[IntArray, BoolArray]:
     """(m,) MOVING, STATIC or UNKNOWN for each hit, against earlier looks; and (m,) True for hits
@@ -57,8 +56,8 @@ def seen_to_move(
     Args:
         hits: m of them.
         now: the look they belong to.
-        earlier: of these, the newest last, the first `count` count.
-        older: looks before those, that tell what stands where rays are unreliable.
+        earlier: of the first two, the newest last, the first `count` count. Where rays are
+            unreliable, looks before those follow, that tell what stands.
         evidence: what shows that a hit moves.
     """
     shape = count, len(hits.rays)
@@ -77,8 +76,8 @@ def seen_to_move(
         within = max(evidence.certainty * evidence.noise, LEVEL)
         for i in flow.intruding.nonzero()[0]:
             x, y = hits.points[0, i], hits.points[1, i]
-            for look in older:
-                if _met_before(x, y, now, look, within):
+            for k in range(2, len(earlier)):
+                if _met_before(x, y, now, earlier[k], within):
                     flow.intruding[i] = False
     return _flags(flow, evidence.still, evidence.certainty), flow.intruding
 

@@ -37,9 +37,8 @@ class Owned(NamedTuple):
 @compiled
 def owners_of(
     now: Look,
-    earlier: tuple[Look, Look],
+    earlier: tuple[Look, ...],
     count: int,
-    older: tuple[Look, Look],
     expected: Expected,
     evidence: Evidence,
 ) -> Owned:
@@ -47,13 +46,13 @@ def owners_of(
 
     Args:
         now: the look.
-        earlier: the first `count` count: the oldest that is compared and the newest.
-        older: looks before those; any, where rays are reliable.
+        earlier: the oldest that is compared and the newest, of which the first `count` count; where
+            rays are unreliable, looks before those.
         expected: the known movers.
         evidence: what shows that a hit moves.
     """
     hits = gather_hits(now)
-    flags, intrudes = seen_to_move(hits, now, earlier, count, older, evidence)
+    flags, intrudes = seen_to_move(hits, now, earlier, count, evidence)
     if evidence.unreliable:
         flags = drop_single(hits.first, flags)
         intrudes &= flags == MOVING

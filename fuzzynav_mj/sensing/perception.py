@@ -133,9 +133,10 @@ class Perceiver:
         for track in self._tracks:
             track.predict(since)
         expected = expected_outlines(self._tracks, 2.0 * self._noise)
-        compared = (earlier[0], earlier[-1]) if earlier else (now, now)
-        older = (past[0], past[max(len(past) - 3, 0)]) if past else (now, now)
-        owned = owners_of(now, compared, min(len(earlier), 2), older, expected, self._evidence)
+        compared: tuple[Look, ...] = (earlier[0], earlier[-1]) if earlier else (now, now)
+        if self._unreliable:
+            compared += (past[0], past[max(len(past) - 3, 0)]) if past else (now, now)
+        owned = owners_of(now, compared, min(len(earlier), 2), expected, self._evidence)
         obstacles = self._obstacles(owned, now) + self._hidden(now)
         self._tracks = [track for track in self._tracks if track.missed <= FORGET_AFTER]
         return Perception(scan, obstacles, visibility)

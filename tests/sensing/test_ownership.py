@@ -19,7 +19,7 @@ def owned(speed: float, looks: int, still: float = 0.01) -> Owned:
     now = take_look(scan_of([WALL, square(0.6 - 0.1 * speed, 0.0)], 0.1), HERE)
     evidence = Evidence(0.9, 0.05, REACH, still, 2.0, 0.0, False, 0.7)
     earlier = (before, before) if looks else (now, now)
-    return owners_of(now, earlier, looks, earlier, NOBODY, evidence)
+    return owners_of(now, earlier, looks, NOBODY, evidence)
 
 
 @pytest.mark.parametrize("speed", [0.12, 0.3, 0.8])
