@@ -135,6 +135,7 @@ class Perceiver:
         expected = expected_outlines(self._tracks, 2.0 * self._noise)
         compared: tuple[Look, ...] = (earlier[0], earlier[-1]) if earlier else (now, now)
         if self._unreliable:
+            # The looks before the compared ones, as far as they are kept, or else the oldest one.
             compared += (past[0], past[max(len(past) - 3, 0)]) if past else (now, now)
         owned = owners_of(now, compared, min(len(earlier), 2), expected, self._evidence)
         obstacles = self._obstacles(owned, now) + self._hidden(now)
