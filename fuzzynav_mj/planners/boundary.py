@@ -49,6 +49,7 @@ class Following:
         length: distance travelled along the boundary since `start`, m; driving back counts back.
         farthest: largest distance from `start` so far, m.
         direction: unit vector of the way taken last.
+        began: the same at `start`.
         alternative: the way around the other side, as long as that may be tried.
         closed: True once the robot has been all around.
     """
@@ -61,6 +62,7 @@ class Following:
     length: float = 0.0
     farthest: float = 0.0
     direction: Point = (0.0, 0.0)
+    began: Point = (0.0, 0.0)
     alternative: Alternative | None = None
     closed: bool = False
 
@@ -108,7 +110,8 @@ class Following:
         self.nearest = min(self.nearest, left_over)
 
     def closes(self, place: Point, gone: float, settings: GuidanceSettings) -> bool:
-        """True once the robot is back where following began.
+        """True once the robot is back where following began, and drives the same way: in a narrow
+        corridor it comes by there along the other wall, too.
 
         Args:
             place: of the robot, world frame, m.
@@ -116,13 +119,16 @@ class Following:
             settings: lengths.
         """
         if gone > 0.0 and self.length < settings.settling:
-            self.start = place  # only now does the robot drive along the boundary
+            # Only now does the robot drive along the boundary.
+            self.start, self.began = place, self.direction
         away = hypot(place[0] - self.start[0], place[1] - self.start[1])
+        same_way = self.direction[0] * self.began[0] + self.direction[1] * self.began[1] >= 0.0
         self.farthest = max(self.farthest, away)
         return (
             self.length > settings.loop_length
             and self.farthest > 2 * settings.loop_radius
             and away < settings.loop_radius
+            and same_way
         )
 
     def along(

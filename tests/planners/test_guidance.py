@@ -262,6 +262,19 @@ def test_driving_to_and_fro_closes_no_loop() -> None:
     assert result.headings[-1].closed_loops == 0
 
 
+def test_coming_by_along_the_other_wall_of_a_corridor_closes_no_loop() -> None:
+    settings = GuidanceSettings()
+    boundary = Following(1, (0.0, 0.0), (0.0, -0.3), nearest=5.0, reached=5.0)
+    boundary.direction = (1.0, 0.0)
+    assert not boundary.closes((0.0, 0.0), 0.05, settings)  # it begins
+    boundary.length = 2.0
+    assert not boundary.closes((1.0, 0.0), 0.05, settings)
+    boundary.direction = (-1.0, 0.0)
+    assert not boundary.closes((0.0, 0.2), 0.05, settings)
+    boundary.direction = (1.0, 0.0)
+    assert boundary.closes((0.0, 0.2), 0.05, settings)
+
+
 POCKET = walls(
     box(-6.0, -6.0, 8.0, 6.0),
     strips((0.0, 1.6), (0.0, -1.5), (-3.0, -1.5), half=0.1),
