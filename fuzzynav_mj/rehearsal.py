@@ -23,7 +23,7 @@ from fuzzynav_mj.planners.passing import ways_past
 from fuzzynav_mj.planners.scene import scene_around
 from fuzzynav_mj.planners.settings import DecisionSettings, GuidanceSettings
 from fuzzynav_mj.planners.sight import Sight
-from fuzzynav_mj.planners.surroundings import Surroundings, surroundings
+from fuzzynav_mj.planners.surroundings import Surroundings, as_if_standing, surroundings
 from fuzzynav_mj.planners.walls import walls_in_sight
 from fuzzynav_mj.planners.ways import straight_ways_in, way_beside_walls
 from fuzzynav_mj.robot import RobotSpec
@@ -100,6 +100,7 @@ def rehearse() -> None:
     seen = Perceiver(spec, sensor=Disturbance(range_noise_m=0.01)).perceive(scan, pose)
     brought_up(seen, pose, spec.decision_period)
     around = surroundings(seen, pose, spec)
+    as_if_standing(around, seen, pose, [])
     _rehearse_meetings(take_look(scan, pose), spec.sensor_range)
     _rehearse_ways(around.sight)
     _rehearse_pinch(around, pose, spec)

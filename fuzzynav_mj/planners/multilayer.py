@@ -5,7 +5,7 @@ held against the scan and against the predicted motion of what moves; the three 
 the gate judges the chosen next position and may have the alternative of lowest risk taken instead.
 """
 
-from math import atan2, cos, hypot, inf, sin
+from math import atan2, cos, sin
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -16,6 +16,7 @@ from fuzzynav_mj.planners.arrival import Docking, docking
 from fuzzynav_mj.planners.base import NavigationProblem, Observation, Requirements
 from fuzzynav_mj.planners.evasion import lasting
 from fuzzynav_mj.planners.guidance import Guidance, Heading
+from fuzzynav_mj.planners.lingering import Lingering
 from fuzzynav_mj.planners.motions import Motions, candidate_motions, places_after
 from fuzzynav_mj.planners.outlook import Outlook, look_ahead
 from fuzzynav_mj.planners.passing import Passing, ways_past
@@ -28,7 +29,7 @@ from fuzzynav_mj.planners.priorities import (
 from fuzzynav_mj.planners.scene import Scene, scene_around
 from fuzzynav_mj.planners.settings import DecisionSettings
 from fuzzynav_mj.planners.steering import position_after
-from fuzzynav_mj.planners.surroundings import surroundings
+from fuzzynav_mj.planners.surroundings import as_if_standing, surroundings
 from fuzzynav_mj.planners.verdict import verdict_on
 from fuzzynav_mj.types import (
     Behaviour,
@@ -66,23 +67,25 @@ class MultilayerPlanner:
         self._guidance = Guidance(problem.goal, problem.goal_tolerance)
         self._travel: float | None = None
         self._evading = False
-        self._mover_seen = -inf
-        self._anchor: tuple[float, float, float] | None = None
-        self._way_in: tuple[float, float] | None = None
+        self._lingering = Lingering(self._settings)
 
     def decide(self, observation: Observation) -> Decision:
         """The next position, and why."""
         pose, perception = observation.pose, observation.perception
         assert perception is not None
+        place, stamp, lingering = (pose.x, pose.y), observation.stamp, self._lingering
         around = surroundings(perception, pose, self._spec)
         movers = perception.anything_moves
         if movers:
-            self._mover_seen = observation.stamp
-        among_movers = observation.stamp - self._mover_seen < DRIVEN_OFF
-        heading = self._guidance.head((pose.x, pose.y), around.sight, among_movers)
+            lingering.note_movers(perception, stamp)
+        ahead = around
+        if lingering.impatient(place, stamp):
+            ahead = as_if_standing(around, perception, pose, lingering.trails(stamp))
+        among_movers = lingering.mover_seen_within(DRIVEN_OFF, stamp)
+        heading = self._guidance.head(place, ahead.sight, among_movers)
         dock = docking(self._problem, pose) if heading.direct else None
         subgoal = heading.subgoal if dock is None else dock.target
-        way_out = self._way_out(observation.stamp)
+        way_out = lingering.way_out(stamp)
         subgoal = subgoal if way_out is None else way_out
         target = _in_robot_frame(subgoal, pose)
         wanted = atan2(target[1], target[0])
@@ -94,7 +97,7 @@ class MultilayerPlanner:
         passing = None
         if movers:
             aim = np.array([subgoal[0] - pose.x, subgoal[1] - pose.y])
-            passing = ways_past(around.sight, around.expected, aim, self._settings)
+            passing = ways_past(ahead.sight, ahead.expected, aim, self._settings)
         cost, alone = self._costs(motions, outlook, target, pose, dock, passing)
         candidates = _candidates(motions, outlook, cost, pose)
         first = self._choose(cost, outlook, scene, passing, self._kept(motions, pose), pose.yaw)
@@ -192,27 +195,13 @@ class MultilayerPlanner:
         kept: BoolArray = alike & (motions.speed != 0.0)
         return kept
 
-    def _way_out(self, stamp: float) -> tuple[float, float] | None:
-        """Where the robot came from, if it has been getting nowhere though nothing moved.
-
-        Askew in the mouth of a narrow gap no single motion helps; backing out and coming again
-        does.
-        """
-        if self._anchor is None or stamp - self._mover_seen < self._settings.wedged_time:
-            return None
-        return self._way_in if stamp - self._anchor[2] > self._settings.wedged_time else None
-
     def _give_up(
         self, observation: Observation, heading: Heading
     ) -> Literal["no_path", "stuck"] | None:
         if heading.closed_loops >= 2:
             return "no_path"
-        x, y = observation.pose.x, observation.pose.y
-        anchor = self._anchor
-        if anchor is None or hypot(x - anchor[0], y - anchor[1]) > self._settings.stuck_radius:
-            self._way_in = anchor[:2] if anchor is not None else None
-            self._anchor = (x, y, observation.stamp)
-        elif observation.stamp - anchor[2] > self._settings.stuck_time:
+        place = (observation.pose.x, observation.pose.y)
+        if self._lingering.stuck(place, observation.stamp):
             return "stuck"
         return None
 

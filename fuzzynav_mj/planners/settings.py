@@ -36,6 +36,11 @@ class DecisionSettings:
             which the robot goes back to where it came from ...
         stuck_time: ... and, whatever moves, after which it gives up.
         stuck_radius: the circle's radius.
+        patience: the same time among movers, after which they count as standing wherever they were
+            in the last `trail_time` ...
+        impatience: ... for so long, or until the robot is ...
+        well_away: ... as far away as this.
+        trail_time: memory of movers' hits.
     """
 
     static_margin: float = 0.015
@@ -65,6 +70,10 @@ class DecisionSettings:
     wedged_time: float = 6.0
     stuck_time: float = 45.0
     stuck_radius: float = 0.3
+    patience: float = 15.0
+    impatience: float = 15.0
+    well_away: float = 1.2
+    trail_time: float = 2.0
 
 
 @dataclass(frozen=True, slots=True)

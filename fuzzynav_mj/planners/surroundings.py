@@ -1,6 +1,6 @@
 """What a perception means for the roll-outs: what stands, and where what moves will be."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import cos, hypot, sin
 
 import numpy as np
@@ -68,6 +68,33 @@ def surroundings(perception: Perception, pose: Pose2D, spec: RobotSpec) -> Surro
         doubt = max(mover.closing_sigma for mover in movers)
     sight = Sight(points, bearings, ranges, scan.max_range, hidden)
     return Surroundings(sight, *moving, doubt)
+
+
+def as_if_standing(
+    around: Surroundings, perception: Perception, pose: Pose2D, trails: list[FloatArray]
+) -> Surroundings:
+    """The surroundings as if movers stood wherever their hits (k, 2) of the last looks lie, and
+    nothing were expected to move."""
+    scan, place = perception.scan, (pose.x, pose.y)
+    bearings = around.sight.bearings
+    standing = [o.points for o in perception.obstacles if not o.dynamic]
+    points = thin(np.concatenate((*standing, np.empty((0, 2)), *trails)), place=place)
+    points = points[np.hypot(points[:, 0], points[:, 1]) < scan.max_range]
+    ranges = _ended_at(scan.ranges, bearings, points)
+    hidden = np.zeros(len(bearings), dtype=bool)
+    sight = Sight(points, bearings, ranges, scan.max_range, hidden)
+    return replace(around, sight=sight, expected=NOTHING_MOVES[0])
+
+
+@compiled
+def _ended_at(ranges: FloatArray, bearings: FloatArray, points: FloatArray) -> FloatArray:
+    """(n,) ranges that end at points (k, 2) on the rays, robot-centred."""
+    ended = ranges.copy()
+    for k in range(len(points)):
+        x, y = points[k, 0], points[k, 1]
+        ray = nearest_ray(x, y, bearings[0], len(bearings))
+        ended[ray] = min(ended[ray], hypot(x, y))
+    return ended
 
 
 @compiled

@@ -1,0 +1,85 @@
+"""What comes of staying about one place: backing out, waiting no longer for movers, giving up."""
+
+from collections import deque
+from math import hypot, inf
+
+from fuzzynav_mj.planners.settings import DecisionSettings
+from fuzzynav_mj.types import FloatArray, Perception
+
+Point = tuple[float, float]  # x, y, world frame, m
+
+
+class Lingering:
+    """Where the robot has been for how long, and what kept it there.
+
+    Its memory is of places and times, and of the movers of the last seconds.
+
+    Args:
+        settings: times and distances.
+    """
+
+    def __init__(self, settings: DecisionSettings) -> None:
+        self._settings = settings
+        self._anchor: Point | None = None  # the place that the robot stays about ...
+        self._since = 0.0  # ... from this time on
+        self._way_in: Point | None = None  # the anchor before
+        self._mover_seen = -inf
+        self._trails: deque[tuple[float, FloatArray]] = deque()
+        self._impatient_at: Point | None = None  # where patience ended, until it is back
+        self._impatient_since = 0.0
+        self._patient_since = -inf
+
+    def note_movers(self, seen: Perception, stamp: float) -> None:
+        """Movers are in sight."""
+        self._mover_seen = stamp
+        self._trails.extend((stamp, mover.points) for mover in seen.obstacles if mover.dynamic)
+        while self._trails[0][0] < stamp - self._settings.trail_time:
+            self._trails.popleft()
+
+    def mover_seen_within(self, time: float, stamp: float) -> bool:
+        """True if a mover was in sight less than this time ago, s."""
+        return stamp - self._mover_seen < time
+
+    def trails(self, stamp: float) -> list[FloatArray]:
+        """(k, 2) hits of movers, world frame, in each of the last looks."""
+        return [hits for seen, hits in self._trails if stamp - seen <= self._settings.trail_time]
+
+    def way_out(self, stamp: float) -> Point | None:
+        """Where the robot came from, if it has been getting nowhere though nothing moved.
+
+        Askew in the mouth of a narrow gap no single motion helps; backing out and coming again
+        does.
+        """
+        wedged = self._settings.wedged_time
+        if self._anchor is None or self.mover_seen_within(wedged, stamp):
+            return None
+        return self._way_in if stamp - self._since > wedged else None
+
+    def impatient(self, place: Point, stamp: float) -> bool:
+        """True while movers count as standing, because they have kept the robot here for long.
+
+        One that goes to and fro on the spot is foreseen to go away again and again. So the robot
+        looks for a way around it, until it is well away or has tried for long enough.
+        """
+        settings = self._settings
+        if self._impatient_at is not None:
+            x, y = self._impatient_at
+            here = hypot(place[0] - x, place[1] - y) <= settings.well_away
+            if here and stamp - self._impatient_since <= settings.impatience:
+                return True
+            self._impatient_at, self._patient_since = None, stamp
+        if self._anchor is None or not self.mover_seen_within(settings.wedged_time, stamp):
+            return False
+        if stamp - max(self._since, self._patient_since) <= settings.patience:
+            return False
+        self._impatient_at, self._impatient_since = place, stamp
+        return True
+
+    def stuck(self, place: Point, stamp: float) -> bool:
+        """Notes where the robot is; True if it has been there for too long, whatever moves."""
+        settings, anchor = self._settings, self._anchor
+        if anchor is None or hypot(place[0] - anchor[0], place[1] - anchor[1]) > (
+            settings.stuck_radius
+        ):
+            self._way_in, self._anchor, self._since = anchor, place, stamp
+        return stamp - self._since > settings.stuck_time
