@@ -75,15 +75,15 @@ def going(obstacle: PerceivedObstacle, place: tuple[float, float]) -> Going:
 
 
 @compiled
-def displacements(going: FloatArray, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+def displacements(motion: FloatArray, times: FloatArray) -> tuple[FloatArray, FloatArray]:
     """(ways, T, 2) displacements after each of `times` (T,) on every way that a mover may go on;
     the expected way comes first. And (ways,) how likely each is, in all 1.
 
     Args:
-        going: (9,) of the mover, as in `Going`.
+        motion: (9,) of the mover, as in `Going`.
         times: s from now.
     """
-    vx, vy, turn_rate, closing_sigma, drift, unsure_x, unsure_y, x, y = going
+    vx, vy, turn_rate, closing_sigma, drift, unsure_x, unsure_y, x, y = motion
     turns, surprises = abs(turn_rate) > TURNING, closing_sigma > UNCERTAIN
     unsure = hypot(unsure_x, unsure_y)
     guesses = unsure > UNCERTAIN
