@@ -1,7 +1,7 @@
 """What comes of staying about one place: backing out, waiting no longer for movers, giving up."""
 
 from collections import deque
-from math import hypot, inf
+from math import dist, inf
 
 from fuzzynav_mj.planners.settings import DecisionSettings
 from fuzzynav_mj.types import FloatArray, Perception
@@ -63,8 +63,7 @@ class Lingering:
         """
         settings = self._settings
         if self._impatient_at is not None:
-            x, y = self._impatient_at
-            here = hypot(place[0] - x, place[1] - y) <= settings.well_away
+            here = dist(place, self._impatient_at) <= settings.well_away
             if here and stamp - self._impatient_since <= settings.impatience:
                 return True
             self._impatient_at, self._patient_since = None, stamp
@@ -78,8 +77,6 @@ class Lingering:
     def stuck(self, place: Point, stamp: float) -> bool:
         """Notes where the robot is; True if it has been there for too long, whatever moves."""
         settings, anchor = self._settings, self._anchor
-        if anchor is None or hypot(place[0] - anchor[0], place[1] - anchor[1]) > (
-            settings.stuck_radius
-        ):
+        if anchor is None or dist(place, anchor) > settings.stuck_radius:
             self._way_in, self._anchor, self._since = anchor, place, stamp
         return stamp - self._since > settings.stuck_time
