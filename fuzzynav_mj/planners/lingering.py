@@ -3,10 +3,9 @@
 from collections import deque
 from math import dist, inf
 
+from fuzzynav_mj.planners.boundary import Point
 from fuzzynav_mj.planners.settings import DecisionSettings
 from fuzzynav_mj.types import FloatArray, Perception
-
-Point = tuple[float, float]  # x, y, world frame, m
 
 
 class Lingering:
@@ -33,8 +32,7 @@ class Lingering:
         """Movers are in sight."""
         self._mover_seen = stamp
         self._trails.extend((stamp, mover.points) for mover in seen.obstacles if mover.dynamic)
-        while self._trails[0][0] < stamp - self._settings.trail_time:
-            self._trails.popleft()
+        self._forget_trails(stamp)
 
     def mover_seen_within(self, time: float, stamp: float) -> bool:
         """True if a mover was in sight less than this time ago, s."""
@@ -42,7 +40,13 @@ class Lingering:
 
     def trails(self, stamp: float) -> list[FloatArray]:
         """(k, 2) hits of movers, world frame, in each of the last looks."""
-        return [hits for seen, hits in self._trails if stamp - seen <= self._settings.trail_time]
+        self._forget_trails(stamp)
+        return [hits for _, hits in self._trails]
+
+    def _forget_trails(self, stamp: float) -> None:
+        """Forgets what is older than the last looks."""
+        while self._trails and stamp - self._trails[0][0] > self._settings.trail_time:
+            self._trails.popleft()
 
     def way_out(self, stamp: float) -> Point | None:
         """Where the robot came from, if it has been getting nowhere though nothing moved.
