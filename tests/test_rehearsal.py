@@ -7,7 +7,7 @@ from numba.core.registry import CPUDispatcher
 
 from fuzzynav_mj.disturbance import Disturbance
 from fuzzynav_mj.planners.grid import grid_around
-from fuzzynav_mj.rehearsal import rehearse, settle
+from fuzzynav_mj.rehearsal import SELDOM, rehearse, settle
 from fuzzynav_mj.runner import play_episode
 from fuzzynav_mj.scenarios import load_scenario
 
@@ -36,9 +36,12 @@ def test_nothing_is_left_to_be_compiled_or_filled_in_an_episode() -> None:
 
 
 def test_what_start_up_made_is_not_searched_for_garbage() -> None:
+    before = gc.get_threshold()
     settle.cache_clear()
     settle()
     made = gc.get_freeze_count()
     assert made > 100_000
     assert len(gc.get_objects()) < made / 100
+    assert gc.get_threshold()[0] == SELDOM
     gc.unfreeze()
+    gc.set_threshold(*before)

@@ -182,9 +182,11 @@ class MultilayerPlanner:
         best = cheapest(cost, outlook.admissible)
         if best >= 0:
             return best
-        if outlook.static_ok.any():
-            lasts = lasting(outlook, scene, passing, yaw, self._spec, self._settings)
-            return int((lasts + EVASION_BONUS * kept).argmax())
+        # Where nothing moves, whatever can stop is admissible.
+        if passing is not None and outlook.static_ok.any():
+            bonus = np.where(kept, EVASION_BONUS, 0.0)
+            lasts = lasting(outlook, scene, passing, bonus, yaw, self._spec, self._settings)
+            return int(lasts.argmax())
         return int(outlook.soon.argmax())
 
     def _kept(self, motions: Motions, pose: Pose2D) -> BoolArray:

@@ -69,7 +69,7 @@ def look_ahead(
 
 
 @compiled
-def _margins(
+def margins_to_standing(
     aim: FloatArray,
     standing: FloatArray,
     times: FloatArray,
@@ -126,10 +126,10 @@ def _prospects(
         scene: what they are held against.
         slowing: by which a turn per period can slow down in a period, rad.
         half_side: of the footprint, m.
-        margin, growth, recovery, creeping: as in `_margins`.
+        margin, growth, recovery, creeping: as in `margins_to_standing`.
     """
     count, periods = poses.shape[:2]
-    margins = _margins(
+    margins = margins_to_standing(
         aim, scene.standing, scene.times, half_side, margin, growth, recovery, creeping
     )
     found = Outlook(
@@ -147,58 +147,68 @@ def _prospects(
     for i in range(count):
         place(placed, poses[i], facing[i])
         gaps_to_standing(gaps, placed, scene.standing, half_side, NEARBY)
-        stop = _stop_in_time(found, i, gaps, margins, scene, surely_seen, brake_steps[i], slowing)
+        last = last_period(
+            gaps, poses[i], margins[i], scene.ranges, scene.turn, surely_seen, brake_steps[i],
+            slowing,
+        )  # fmt: skip
+        stop, found.static_ok[i] = max(last, 0), last >= 0
+        for j in range(stop + 1):
+            found.static[i] = min(found.static[i], gaps[j])
+        for j in range(SOON):
+            found.soon[i] = min(found.soon[i], gaps[j])
         for j in range(stop + 1, periods):
             for axis in range(3):
                 found.poses[i, j, axis] = poses[i, stop, axis]
-            for row in range(4):
-                placed[row, j] = placed[row, stop]
-        hold_against_movers(found.alive[i], gaps, elsewhere, placed, scene, half_side)
+        stay(placed, stop)
+        hold_against_movers(found.alive[i], gaps, elsewhere, placed, scene, half_side, 0.0, -1.0)
         _meet_movers(found, i, gaps, elsewhere, scene)
     return found
 
 
 @compiled
-def _stop_in_time(
-    found: Outlook,
-    i: int,
+def last_period(
     gaps: FloatArray,
+    poses: FloatArray,
     margins: FloatArray,
-    scene: Scene,
+    ranges: FloatArray,
+    turn: float,
     surely_seen: float,
     brake_steps: int,
     slowing: float,
 ) -> int:
-    """Rolls candidate `i` on until just before what stands or is unseen; returns the period after
-    which it stops, and fills in `static`, `static_ok` and `soon`.
+    """The period after which a candidate stops, just before what stands or is unseen; -1 or less if
+    it cannot stop in time.
 
     Args:
-        found: the prospects, `poses` still without a stop.
         gaps: (T,) to what stands, m.
+        poses: (T, 3) without a stop.
+        margins: (T,) gaps that must be kept.
+        ranges, turn: of the scene.
         surely_seen: squared distance up to which all is seen, m2.
-        margins: (m, T) that must be kept to what stands.
-        scene, slowing: as in `_prospects`.
         brake_steps: the candidate's.
+        slowing: as in `_prospects`.
     """
-    stop = len(gaps) - 1
     for j in range(len(gaps)):
-        x, y, yaw = found.poses[i, j, 0], found.poses[i, j, 1], found.poses[i, j, 2]
-        blocked = gaps[j] < margins[i, j]
+        x, y, yaw = poses[j, 0], poses[j, 1], poses[j, 2]
+        blocked = gaps[j] < margins[j]
         if not blocked and x * x + y * y > surely_seen:
-            ray = nearest_ray(x, y, -scene.turn, len(scene.ranges))
-            blocked = x * x + y * y > scene.ranges[ray] ** 2
+            ray = nearest_ray(x, y, -turn, len(ranges))
+            blocked = x * x + y * y > ranges[ray] ** 2
         if blocked:
-            before = found.poses[i, j - 1, 2] if j > 0 else 0.0
+            before = poses[j - 1, 2] if j > 0 else 0.0
             spin_steps = ceil(abs(yaw - before) / slowing - 1e-3)
-            last = j - 1 - max(brake_steps, spin_steps)
-            found.static_ok[i] = last >= 0
-            stop = max(last, 0)
-            break
-    for j in range(stop + 1):
-        found.static[i] = min(found.static[i], gaps[j])
-    for j in range(SOON):
-        found.soon[i] = min(found.soon[i], gaps[j])
-    return stop
+            last: int = j - 1 - max(brake_steps, spin_steps)
+            return last
+    return len(gaps) - 1
+
+
+@compiled
+def stay(placed: FloatArray, stop: int) -> None:
+    """Keeps a footprint (4, T), as `gaps_on_the_way` takes it, where it is after the period
+    `stop`."""
+    for j in range(stop + 1, placed.shape[1]):
+        for row in range(4):
+            placed[row, j] = placed[row, stop]
 
 
 @compiled

@@ -32,6 +32,7 @@ BERTH_GROWTH = 0.01  # m: ... and per step
 NEARBY = 0.24  # m, more than any berth: larger gaps do not matter
 LEAST_GAP = 0.03  # m: a smaller one counts as contact
 NO_WAY = 4.0  # m: cost of a place with no way on
+LEAST_WEIGHT = 0.1  # share of the cells around a place that must have a way on, for it to have one
 BLOCKED = 2.0  # m: what a place among obstacles costs more than its distance to the target
 
 
@@ -59,12 +60,11 @@ def worth(passing: Passing, x: FloatArray, y: FloatArray) -> FloatArray:
     return _interpolate(passing.value, x / CELL + passing.half, y / CELL + passing.half, blocked)
 
 
-def leads_on(passing: Passing, x: FloatArray, y: FloatArray) -> BoolArray:
-    """(m,) True for places, as in `worth`, from which there is a way on."""
-    free = np.where(passing.value < NO_WAY, 0.0, NO_WAY)
-    half, blocked = passing.half, np.full(len(x), NO_WAY)
-    way: BoolArray = _interpolate(free, x / CELL + half, y / CELL + half, blocked) < NO_WAY
-    return way
+@compiled
+def leads_on(passing: Passing, x: float, y: float) -> bool:
+    """True for a place, as in `worth`, from which there is a way on."""
+    weight, _ = _mixed(passing.value, x / CELL + passing.half, y / CELL + passing.half)
+    return weight > LEAST_WEIGHT
 
 
 @compiled
@@ -245,17 +245,25 @@ def _interpolate(
 ) -> FloatArray:
     """(m,) the value between the cells, of those from which there is a way on; else `blocked`."""
     result = blocked.copy()
-    last = len(value) - 2
     for k in range(len(x)):
-        i, j = min(max(int(x[k]), 0), last), min(max(int(y[k]), 0), last)
-        u, v = min(max(x[k] - i, 0.0), 1.0), min(max(y[k] - j, 0.0), 1.0)
-        total = weight = 0.0
-        for a in range(2):
-            for b in range(2):
-                share = (u if a else 1.0 - u) * (v if b else 1.0 - v)
-                if value[i + a, j + b] < NO_WAY:
-                    total += share * value[i + a, j + b]
-                    weight += share
-        if weight > 0.1:
+        weight, total = _mixed(value, x[k], y[k])
+        if weight > LEAST_WEIGHT:
             result[k] = total / weight
     return result
+
+
+@compiled
+def _mixed(value: FloatArray, x: float, y: float) -> tuple[float, float]:
+    """The share of the four cells around a place from which there is a way on, and the sum of their
+    values by their shares; the place in cells."""
+    last = len(value) - 2
+    i, j = min(max(int(x), 0), last), min(max(int(y), 0), last)
+    u, v = min(max(x - i, 0.0), 1.0), min(max(y - j, 0.0), 1.0)
+    weight = total = 0.0
+    for a in range(2):
+        for b in range(2):
+            share = (u if a else 1.0 - u) * (v if b else 1.0 - v)
+            if value[i + a, j + b] < NO_WAY:
+                total += share * value[i + a, j + b]
+                weight += share
+    return weight, total

@@ -23,8 +23,11 @@ def hold_against_movers(
     placed: FloatArray,
     scene: Scene,
     half_side: float,
-) -> None:
-    """Fills in how a candidate fares through T periods.
+    beyond: float,
+    least: float,
+) -> float:
+    """Fills in how a candidate fares through T periods; returns how many without contact can be
+    expected, or -1, and leaves the rest out, as soon as they are known to be fewer than `least`.
 
     Args:
         alive: (T,) likelihood that there was no contact up to the end of each.
@@ -33,8 +36,11 @@ def hold_against_movers(
         placed: (4, T) of the footprint, as in `gaps_on_the_way`.
         scene: the movers.
         half_side: of the footprint, m.
+        beyond: periods that follow these T where they are survived.
+        least: periods of interest.
     """
     periods = len(alive)
+    lasts = periods + beyond
     gaps, met = np.empty(periods), np.empty(periods)
     alive[:], expected[:], elsewhere[:] = 1.0, FAR, FAR
     first_expected = first_possible = number = 0
@@ -60,5 +66,12 @@ def hold_against_movers(
                 risk = max(risk, share * share)
                 met[j] += scene.shares[number] * risk
             number += 1
+            # Whatever else is met can only make it fewer.
+            lasts = beyond * alive[-1] * max(1.0 - met[-1], 0.0)
+            for j in range(periods):
+                lasts += alive[j] * max(1.0 - met[j], 0.0)
+            if lasts < least:
+                return -1.0
         for j in range(periods):
             alive[j] *= max(1.0 - met[j], 0.0)
+    return lasts

@@ -8,12 +8,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from point_scene import SETTINGS, scene_of
 
-from fuzzynav_mj.planners.evasion import lasting
+from fuzzynav_mj.planners.evasion import BEYOND, FIRST_MOVES, ROUNDING, TRIED, lasting
 from fuzzynav_mj.planners.grid import CELL
 from fuzzynav_mj.planners.headings import HORIZON
-from fuzzynav_mj.planners.motions import candidate_motions
+from fuzzynav_mj.planners.motions import candidate_motions, moves_after
 from fuzzynav_mj.planners.outlook import Outlook, look_ahead
-from fuzzynav_mj.planners.passing import JUDGED, NO_WAY, OUTLOOK, Passing
+from fuzzynav_mj.planners.passing import (
+    JUDGED,
+    NO_WAY,
+    OUTLOOK,
+    Passing,
+    judged_places,
+    leads_on,
+)
 from fuzzynav_mj.planners.scene import Scene
 from fuzzynav_mj.robot import DEFAULT_ROBOT as SPEC
 from fuzzynav_mj.types import FloatArray, Twist2D
@@ -25,6 +32,46 @@ def pinch(expected: FloatArray, standing: FloatArray) -> tuple[Outlook, Scene]:
     scene = scene_of(standing, expected, expected[:HORIZON])
     motions = candidate_motions(0.0, Twist2D(0.0, 0.0), SPEC)
     return look_ahead(motions, scene, SPEC, SETTINGS), scene
+
+
+NO_BONUS = np.zeros(len(candidate_motions(0.0, Twist2D(0.0, 0.0), SPEC).speed))
+NOWHERE = Passing(np.full((33, 33), NO_WAY), 16, np.array([1.0, 0.0]))  # no way leads on
+
+
+def crossed_by_movers(seed: int) -> tuple[Outlook, Scene]:
+    """A pinch among movers on straight lines past points that stand."""
+    rng = np.random.default_rng(seed)
+    bearings = rng.uniform(-pi, pi, 30)
+    places = np.stack((np.cos(bearings), np.sin(bearings)), axis=1)
+    starts, velocity = 0.5 * places[:10], rng.uniform(-0.4, 0.4, (10, 2))
+    times = 0.1 * (np.arange(OUTLOOK) + 1.0)
+    expected = starts + times[:, None, None] * velocity
+    return pinch(expected, rng.uniform(0.3, 0.8, (20, 1)) * places[10:])
+
+
+def all_worked_out(
+    found: Outlook, scene: Scene, passing: Passing, bonus: FloatArray, yaw: float
+) -> FloatArray:
+    """(m,) of `lasting`, with every second move of those first ones that are tried."""
+
+    def periods(poses: FloatArray, alive: FloatArray) -> FloatArray:
+        x, y = judged_places(poses, yaw)
+        onward = [leads_on(passing, *place) for place in zip(x, y, strict=True)]
+        return np.asarray(alive.sum(axis=1) + BEYOND * alive[:, -1] * onward)
+
+    lasts = np.where(found.static_ok, periods(found.poses[:, JUDGED - 1], found.alive), -1.0)
+    tried = np.argsort(-lasts, kind="stable")[:TRIED]
+    tried = tried[lasts[tried] >= 0.0]
+    for length in FIRST_MOVES:
+        moves = moves_after(np.ascontiguousarray(found.poses[tried, :length]), SPEC)
+        second = look_ahead(moves, scene.later(length), SPEC, SETTINGS)
+        each = len(moves.speed) // len(tried)
+        before = np.repeat(found.alive[tried, :length], each, axis=0)
+        alive = np.concatenate((before, before[:, -1:] * second.alive), axis=1)
+        then = periods(second.poses[:, JUDGED - length - 1], alive)
+        best = np.where(second.static_ok, then, -1.0).reshape(len(tried), each).max(axis=1)
+        lasts[tried] = np.maximum(lasts[tried], best)
+    return np.asarray(lasts + bonus)
 
 
 def alone(found: Outlook) -> FloatArray:
@@ -53,24 +100,34 @@ def test_first_along_a_closing_lane_and_then_aside(
     expected[filled:, len(lane) :] = block
     found, scene = pinch(expected, np.empty((0, 2)))
     assert found.alive[:, -1].max() < 0.5
-    lasts = lasting(found, scene, None, 0.0, SPEC, SETTINGS)
+    lasts = lasting(found, scene, NOWHERE, NO_BONUS, 0.0, SPEC, SETTINGS)
     assert alone(found).max() <= alone_at_most + 0.01 and lasts.max() > at_least
 
 
 @settings(max_examples=20, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_a_second_move_never_makes_a_first_one_worse(seed: int) -> None:
-    """Among movers on straight lines past points that stand."""
-    rng = np.random.default_rng(seed)
-    bearings = rng.uniform(-pi, pi, 30)
-    places = np.stack((np.cos(bearings), np.sin(bearings)), axis=1)
-    starts, velocity = 0.5 * places[:10], rng.uniform(-0.4, 0.4, (10, 2))
-    times = 0.1 * (np.arange(OUTLOOK) + 1.0)
-    expected = starts + times[:, None, None] * velocity
-    found, scene = pinch(expected, rng.uniform(0.3, 0.8, (20, 1)) * places[10:])
-    lasts = lasting(found, scene, None, 0.0, SPEC, SETTINGS)
-    assert (lasts >= alone(found)).all() and (lasts <= HORIZON).all()
+    found, scene = crossed_by_movers(seed)
+    lasts = lasting(found, scene, NOWHERE, NO_BONUS, 0.0, SPEC, SETTINGS)
+    assert (lasts >= alone(found) - ROUNDING).all() and (lasts <= HORIZON).all()
     assert (lasts[~found.static_ok] == -1.0).all()
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_what_is_left_out_is_not_the_best(seed: int) -> None:
+    found, scene = crossed_by_movers(seed)
+    rng = np.random.default_rng(seed)
+    value = np.where(rng.random((33, 33)) < 0.5, 0.0, NO_WAY)
+    passing, bonus = (
+        Passing(value, 16, np.array([1.0, 0.0])),
+        0.3 * (rng.random(len(NO_BONUS)) < 0.1),
+    )
+    lasts = lasting(found, scene, passing, bonus, 1.0, SPEC, SETTINGS)
+    complete = all_worked_out(found, scene, passing, bonus, 1.0)
+    assert (lasts <= complete + ROUNDING).all()
+    best = np.flatnonzero(complete > complete.max() - ROUNDING)
+    np.testing.assert_allclose(lasts[best], complete[best], rtol=0.0, atol=ROUNDING)
 
 
 def test_of_two_places_that_last_as_long_the_one_with_a_way_on_is_better() -> None:
@@ -80,7 +137,7 @@ def test_of_two_places_that_last_as_long_the_one_with_a_way_on_is_better() -> No
     value = np.zeros((33, 33))
     value[:16] = NO_WAY  # behind the robot
     passing = Passing(value, 16, np.array([1.0, 0.0]))
-    lasts = lasting(found, scene, passing, 0.0, SPEC, SETTINGS)
+    lasts = lasting(found, scene, passing, NO_BONUS, 0.0, SPEC, SETTINGS)
     ahead = found.poses[:, JUDGED - 1, 0] > CELL
     behind = found.poses[:, JUDGED - 1, 0] < -CELL
     # The second move may lead back from behind: a first one alone cannot tell.

@@ -7,7 +7,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fuzzynav_mj.planners.passing import BLOCKED, NO_WAY, OUTLOOK, Passing, ways_past, worth
+from fuzzynav_mj.planners.grid import CELL
+from fuzzynav_mj.planners.passing import (
+    BLOCKED,
+    NO_WAY,
+    OUTLOOK,
+    Passing,
+    leads_on,
+    ways_past,
+    worth,
+)
 from fuzzynav_mj.planners.settings import DecisionSettings
 from fuzzynav_mj.planners.sight import Sight
 from fuzzynav_mj.types import FloatArray
@@ -42,6 +51,16 @@ def test_free_ground_costs_time_and_length_of_the_way() -> None:
     assert 0.45 * per_metre - 0.6 <= at(free, 0.0, 0.0) <= 0.60 * per_metre + 0.1 - 0.6
     assert at(free, 0.6, 0.0) == pytest.approx(-0.6, abs=1e-9)
     assert at(free, 0.3, 0.0) < at(free, 0.0, 0.0) < at(free, -0.3, 0.0)
+
+
+def test_a_place_leads_on_unless_hardly_a_cell_around_it_does() -> None:
+    """Cells worth 0.5 m end a cell before ones from which no way leads on."""
+    value = np.full((33, 33), NO_WAY)
+    value[:17] = 0.5
+    passing = Passing(value, 16, np.array([1.0, 0.0]))
+    for share, on in ((-1.0, True), (0.0, True), (0.85, True), (0.95, False), (1.0, False)):
+        assert leads_on(passing, share * CELL, 0.0) == on
+        assert (at(passing, share * CELL, 0.0) == 0.5) == on
 
 
 def test_mover_in_the_way_makes_a_place_dearer_but_fleeing_is_dearer_still() -> None:

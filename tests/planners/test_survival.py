@@ -20,16 +20,29 @@ STILL = np.zeros((1, HORIZON, 3))
 TIMES = 0.1 * (np.arange(HORIZON) + 1.0)
 
 
-def alive(
-    expected: FloatArray = NOTHING, possible: FloatArray = NOTHING, poses: FloatArray = STILL
-) -> FloatArray:
-    """(T,) for a way among points (k, 2) that stay."""
+def held(
+    expected: FloatArray = NOTHING,
+    possible: FloatArray = NOTHING,
+    poses: FloatArray = STILL,
+    beyond: float = 0.0,
+    least: float = -1.0,
+) -> tuple[FloatArray, float]:
+    """(T,) likelihoods for a way among points (k, 2) that stay, and the periods expected of it."""
     stays = np.tile(expected, (OUTLOOK, 1, 1)), np.tile(possible, (HORIZON, 1, 1))
     found, gaps, placed = np.empty(HORIZON), np.empty((2, HORIZON)), np.empty((4, HORIZON))
     place(placed, poses[0], facings(poses)[0])
     scene = scene_of(NOTHING, *stays)
-    hold_against_movers(found, gaps[0], gaps[1], placed, scene, SPEC.half_side)
-    return found
+    lasts = hold_against_movers(
+        found, gaps[0], gaps[1], placed, scene, SPEC.half_side, beyond, least
+    )
+    return found, lasts
+
+
+def alive(
+    expected: FloatArray = NOTHING, possible: FloatArray = NOTHING, poses: FloatArray = STILL
+) -> FloatArray:
+    """(T,) likelihoods of `held`."""
+    return held(expected, possible, poses)[0]
 
 
 def beside(gap: float) -> FloatArray:
@@ -53,6 +66,15 @@ def test_risk_of_a_gap_falls_with_its_square_and_grows_with_time(gap: float) -> 
     risk = np.clip(1.0 - (gap - TOUCH) / clear, 0.0, 1.0) ** 2
     np.testing.assert_allclose(alive(beside(gap)), 1.0 - risk)
     np.testing.assert_allclose(alive(possible=beside(gap)), 1.0 - 0.2 * risk)
+
+
+@pytest.mark.parametrize("beyond", [0.0, 14.0])
+def test_periods_expected_are_the_sum_of_likelihoods_unless_they_are_too_few(beyond: float) -> None:
+    found, lasts = held(beside(0.06), beside(0.03), beyond=beyond)
+    assert 1.0 < lasts < HORIZON + beyond
+    assert lasts == pytest.approx(found.sum() + beyond * found[-1], abs=1e-12)
+    assert held(beside(0.06), beside(0.03), beyond=beyond, least=lasts - 1e-9)[1] == lasts
+    assert held(beside(0.06), beside(0.03), beyond=beyond, least=lasts + 1e-9)[1] == -1.0
 
 
 def test_risk_that_is_over_is_not_forgotten() -> None:
