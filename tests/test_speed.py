@@ -3,7 +3,7 @@
 import json
 from collections.abc import Callable
 from itertools import count, pairwise
-from math import hypot
+from math import ceil, hypot
 
 import pytest
 from test_same_seed import difference
@@ -17,14 +17,15 @@ from fuzzynav_mj.robot import DEFAULT_ROBOT
 from fuzzynav_mj.runner import play_episode
 from fuzzynav_mj.scenarios import load_scenario
 from fuzzynav_mj.speed import (
+    IN_TURNS,
     STAGES,
+    BareSteps,
     EpisodeSpeed,
     Stopwatch,
     TimedGate,
     TimedPlanner,
     TimedSimulation,
     crowd,
-    time_bare_steps,
     time_episode,
 )
 from fuzzynav_mj.types import Outcome
@@ -60,18 +61,28 @@ def test_every_stage_is_booked_by_a_clock_of_ticks(write_scenario: Writer) -> No
     assert found.stages["fuzzy"] >= found.decisions
     assert tuple(found.stages) == STAGES
     assert sum(found.stages.values()) == found.total
-    assert found.bare == 1.0 and found.ratio == found.total
+    assert found.bare == ceil(record.physics_steps / IN_TURNS)
+    assert found.ratio == found.total / found.bare
     assert found.real_time_factor == found.sim_time / found.total
 
 
-def test_bare_steps_are_as_many_as_asked_for(
+def test_bare_steps_are_as_many_as_the_episodes_and_taken_in_turns_with_them(
     write_scenario: Writer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     scenario = load_scenario(write_scenario("a"))
     taken = []
     monkeypatch.setattr(speed_module.mujoco, "mj_step", lambda model, data: taken.append(data))
-    assert time_bare_steps(scenario, 0, 37, ticks()) == 1.0
-    assert len(taken) == 37
+    bare = BareSteps(scenario, 0, Stopwatch(ticks()))
+    bare.owe(IN_TURNS - 1)
+    assert len(taken) == 0
+    bare.owe(20)
+    assert len(taken) == IN_TURNS + 19
+    bare.owe(7)
+    bare.take()
+    assert len(taken) == IN_TURNS + 26
+    taken.clear()
+    time_episode(scenario, 3, 1, ticks())
+    assert len(taken) == play_episode(scenario, "fuzzy", 3).record.physics_steps
 
 
 @pytest.mark.parametrize("many", [30, 300])
