@@ -9,6 +9,7 @@ import pytest
 from test_same_seed import difference
 
 from fuzzynav_mj import speed as speed_module
+from fuzzynav_mj import timed as timed_module
 from fuzzynav_mj.cli import main
 from fuzzynav_mj.commands.speed import lines
 from fuzzynav_mj.episode import run_episode
@@ -16,17 +17,14 @@ from fuzzynav_mj.planners.multilayer import MultilayerPlanner
 from fuzzynav_mj.robot import DEFAULT_ROBOT
 from fuzzynav_mj.runner import play_episode
 from fuzzynav_mj.scenarios import load_scenario
-from fuzzynav_mj.speed import (
+from fuzzynav_mj.speed import STAGES, EpisodeSpeed, crowd, time_episode
+from fuzzynav_mj.timed import (
     IN_TURNS,
-    STAGES,
     BareSteps,
-    EpisodeSpeed,
     Stopwatch,
     TimedGate,
     TimedPlanner,
     TimedSimulation,
-    crowd,
-    time_episode,
 )
 from fuzzynav_mj.types import Outcome
 
@@ -71,7 +69,7 @@ def test_bare_steps_are_as_many_as_the_episodes_and_taken_in_turns_with_them(
 ) -> None:
     scenario = load_scenario(write_scenario("a"))
     taken = []
-    monkeypatch.setattr(speed_module.mujoco, "mj_step", lambda model, data: taken.append(data))
+    monkeypatch.setattr(timed_module.mujoco, "mj_step", lambda model, data: taken.append(data))
     bare = BareSteps(scenario, 0, Stopwatch(ticks()))
     bare.owe(IN_TURNS - 1)
     assert len(taken) == 0

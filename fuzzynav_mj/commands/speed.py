@@ -11,12 +11,12 @@ from fuzzynav_mj.speed import (
     FEW,
     MANY,
     STAGES,
-    Clock,
     EpisodeSpeed,
     time_crowds,
     time_episode,
     time_single_risk,
 )
+from fuzzynav_mj.timed import Clock
 
 
 def speed(names: Sequence[str], seed: int, repeats: int, cpu: bool, as_json: bool) -> int:
