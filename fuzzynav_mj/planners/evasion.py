@@ -60,9 +60,13 @@ def lasting(
     tried = tried[lasts[tried] >= 0.0]
     lasts += bonus
     for length in FIRST_MOVES:
-        moves = moves_after(np.ascontiguousarray(first.poses[tried, :length]), spec)
+        most = _most(first.alive, length, bonus)
+        worth = tried[most[tried] >= lasts.max() - ROUNDING]
+        if len(worth) == 0:
+            continue
+        moves = moves_after(np.ascontiguousarray(first.poses[worth, :length]), spec)
         _follow(
-            lasts, bonus, tried, first.alive, length, moves.poses, moves.facing, moves.speed,
+            lasts, most, bonus, worth, first.alive, length, moves.poses, moves.facing, moves.speed,
             moves.brake_steps, scene.later(length), passing, yaw,
             spec.max_yaw_acceleration * spec.decision_period**2, spec.half_side,
             settings.static_margin, settings.static_margin_growth, settings.static_recovery,
@@ -84,9 +88,18 @@ def _alone(first: Outlook, passing: Passing, yaw: float) -> FloatArray:
     return lasts
 
 
+def _most(alive: FloatArray, length: int, bonus: FloatArray) -> FloatArray:
+    """(m,) periods, the bonus (m,) included, that first moves of some length can come to at most,
+    whatever follows; less than any where nothing can follow."""
+    after = alive[:, length - 1]
+    most = alive[:, :length].sum(axis=1) + bonus + after * (HORIZON - length + BEYOND)
+    return np.where(after > 0.0, most, -np.inf)
+
+
 @compiled
 def _follow(
     lasts: FloatArray,
+    most: FloatArray,
     bonus: FloatArray,
     tried: IntArray,
     alive: FloatArray,
@@ -110,6 +123,7 @@ def _follow(
 
     Args:
         lasts: (m,) periods, `bonus` (m,) included.
+        most: (m,) what they can come to.
         tried: (p,) numbers of the first moves.
         alive: (m, HORIZON) of all of them.
         length: periods that a first move takes.
@@ -130,12 +144,11 @@ def _follow(
     best = lasts.max()
     for n in range(len(tried)):
         number = tried[n]
-        before, after = alive[number, :length].sum() + bonus[number], alive[number, length - 1]
-        most = before + after * (periods + BEYOND)
-        if after == 0.0 or most < best - ROUNDING:
+        if most[number] < best - ROUNDING:
             continue
+        before, after = alive[number, :length].sum() + bonus[number], alive[number, length - 1]
         for k in range(n * each, (n + 1) * each):
-            if lasts[number] > most - ROUNDING:
+            if lasts[number] > most[number] - ROUNDING:
                 break
             place(placed, poses[k], facing[k])
             gaps_to_standing(gaps, placed, scene.standing, half_side, NEARBY)
