@@ -11,16 +11,9 @@ from math import cos, sin
 import numpy as np
 
 from fuzzynav_mj.compiled import compiled
-from fuzzynav_mj.planners.clearance import gaps_to_standing, place
 from fuzzynav_mj.planners.headings import HORIZON
 from fuzzynav_mj.planners.motions import moves_after
-from fuzzynav_mj.planners.outlook import (
-    NEARBY,
-    Outlook,
-    last_period,
-    margins_to_standing,
-    stay,
-)
+from fuzzynav_mj.planners.outlook import Outlook, drive_up, margins_to_standing
 from fuzzynav_mj.planners.passing import JUDGED, OUTLOOK, Passing, judged_places, leads_on
 from fuzzynav_mj.planners.scene import Scene
 from fuzzynav_mj.planners.settings import DecisionSettings
@@ -150,15 +143,12 @@ def _follow(
         for k in range(n * each, (n + 1) * each):
             if lasts[number] > most[number] - ROUNDING:
                 break
-            place(placed, poses[k], facing[k])
-            gaps_to_standing(gaps, placed, scene.standing, half_side, NEARBY)
-            stop = last_period(
-                gaps, poses[k], margins[k % each], scene.ranges, scene.turn, surely_seen,
-                brake_steps[k], slowing,
+            last = drive_up(
+                placed, gaps, poses[k], facing[k], margins[k % each], brake_steps[k],
+                scene.standing, scene.ranges, scene.turn, surely_seen, slowing, half_side,
             )  # fmt: skip
-            if stop < 0:
+            if last < 0:
                 continue
-            stay(placed, stop)
             x, y = placed[0, judged], placed[1, judged]
             beyond = BEYOND if leads_on(passing, c * x - s * y, s * x + c * y) else 0.0
             least = (best - before) / after - ROUNDING

@@ -145,11 +145,9 @@ def _prospects(
     placed, gaps, elsewhere = np.empty((4, periods)), np.empty(periods), np.empty(periods)
     surely_seen = scene.ranges.min() ** 2
     for i in range(count):
-        place(placed, poses[i], facing[i])
-        gaps_to_standing(gaps, placed, scene.standing, half_side, NEARBY)
-        last = last_period(
-            gaps, poses[i], margins[i], scene.ranges, scene.turn, surely_seen, brake_steps[i],
-            slowing,
+        last = drive_up(
+            placed, gaps, poses[i], facing[i], margins[i], brake_steps[i], scene.standing,
+            scene.ranges, scene.turn, surely_seen, slowing, half_side,
         )  # fmt: skip
         stop, found.static_ok[i] = max(last, 0), last >= 0
         for j in range(stop + 1):
@@ -159,35 +157,62 @@ def _prospects(
         for j in range(stop + 1, periods):
             for axis in range(3):
                 found.poses[i, j, axis] = poses[i, stop, axis]
-        stay(placed, stop)
         hold_against_movers(found.alive[i], gaps, elsewhere, placed, scene, half_side, 0.0, -1.0)
         _meet_movers(found, i, gaps, elsewhere, scene)
     return found
 
 
 @compiled
-def last_period(
+def drive_up(
+    placed: FloatArray,
     gaps: FloatArray,
     poses: FloatArray,
+    facing: FloatArray,
     margins: FloatArray,
+    brake_steps: int,
+    standing: FloatArray,
     ranges: FloatArray,
     turn: float,
     surely_seen: float,
-    brake_steps: int,
     slowing: float,
+    half_side: float,
 ) -> int:
-    """The period after which a candidate stops, just before what stands or is unseen; -1 or less if
-    it cannot stop in time.
+    """Rolls a candidate on until just before what stands or is unseen; returns the period after
+    which it stops, -1 or less if it cannot stop in time. It is handed only what it needs of a
+    scene: a compiled function has all that it is handed copied for each call.
 
     Args:
-        gaps: (T,) to what stands, m.
-        poses: (T, 3) without a stop.
+        placed: (4, T) filled in as `gaps_on_the_way` takes it, stopped ...
+        gaps: (T,) ... and with the gaps to what stands, m, without a stop.
+        poses, facing: (T, 3) and (T, 2) of the candidate, without a stop.
         margins: (T,) gaps that must be kept.
-        ranges, turn: of the scene.
-        surely_seen: squared distance up to which all is seen, m2.
         brake_steps: the candidate's.
-        slowing: as in `_prospects`.
+        standing, ranges, turn: of the scene.
+        surely_seen: squared distance up to which all is seen, m2.
+        slowing, half_side: as in `_prospects`.
     """
+    place(placed, poses, facing)
+    gaps_to_standing(gaps, placed, standing, half_side, NEARBY)
+    last = _last_period(gaps, poses, margins, brake_steps, ranges, turn, surely_seen, slowing)
+    stop = max(last, 0)
+    for j in range(stop + 1, len(gaps)):
+        for row in range(4):
+            placed[row, j] = placed[row, stop]
+    return last
+
+
+@compiled
+def _last_period(
+    gaps: FloatArray,
+    poses: FloatArray,
+    margins: FloatArray,
+    brake_steps: int,
+    ranges: FloatArray,
+    turn: float,
+    surely_seen: float,
+    slowing: float,
+) -> int:
+    """The period after which a candidate stops; see `drive_up`."""
     for j in range(len(gaps)):
         x, y, yaw = poses[j, 0], poses[j, 1], poses[j, 2]
         blocked = gaps[j] < margins[j]
@@ -200,15 +225,6 @@ def last_period(
             last: int = j - 1 - max(brake_steps, spin_steps)
             return last
     return len(gaps) - 1
-
-
-@compiled
-def stay(placed: FloatArray, stop: int) -> None:
-    """Keeps a footprint (4, T), as `gaps_on_the_way` takes it, where it is after the period
-    `stop`."""
-    for j in range(stop + 1, placed.shape[1]):
-        for row in range(4):
-            placed[row, j] = placed[row, stop]
 
 
 @compiled

@@ -40,7 +40,6 @@ def hold_against_movers(
         least: periods of interest.
     """
     periods = len(alive)
-    lasts = periods + beyond
     gaps, met = np.empty(periods), np.empty(periods)
     alive[:], expected[:], elsewhere[:] = 1.0, FAR, FAR
     first_expected = first_possible = number = 0
@@ -67,11 +66,19 @@ def hold_against_movers(
                 met[j] += scene.shares[number] * risk
             number += 1
             # Whatever else is met can only make it fewer.
-            lasts = beyond * alive[-1] * max(1.0 - met[-1], 0.0)
-            for j in range(periods):
-                lasts += alive[j] * max(1.0 - met[j], 0.0)
-            if lasts < least:
+            if least > 0.0 and _expected_periods(alive, met, beyond) < least:
                 return -1.0
         for j in range(periods):
             alive[j] *= max(1.0 - met[j], 0.0)
+    met[:] = 0.0
+    return _expected_periods(alive, met, beyond)
+
+
+@compiled
+def _expected_periods(alive: FloatArray, met: FloatArray, beyond: float) -> float:
+    """Periods without contact, and `beyond` after them, where these T are survived as likely as
+    `alive` (T,) says but for one more mover, which is met as likely as `met` (T,)."""
+    lasts: float = beyond * alive[-1] * max(1.0 - met[-1], 0.0)
+    for j in range(len(alive)):
+        lasts += alive[j] * max(1.0 - met[j], 0.0)
     return lasts

@@ -76,7 +76,8 @@ def all_worked_out(
 
 def alone(found: Outlook) -> FloatArray:
     """(m,) periods that can be expected of each candidate that nothing follows."""
-    return np.where(found.static_ok, found.alive.sum(axis=1), -1.0)
+    in_order = np.cumsum(found.alive, axis=1)[:, -1]  # as compiled code adds up
+    return np.where(found.static_ok, in_order, -1.0)
 
 
 @pytest.mark.parametrize(
@@ -109,7 +110,7 @@ def test_first_along_a_closing_lane_and_then_aside(
 def test_a_second_move_never_makes_a_first_one_worse(seed: int) -> None:
     found, scene = crossed_by_movers(seed)
     lasts = lasting(found, scene, NOWHERE, NO_BONUS, 0.0, SPEC, SETTINGS)
-    assert (lasts >= alone(found) - ROUNDING).all() and (lasts <= HORIZON).all()
+    assert (lasts >= alone(found)).all() and (lasts <= HORIZON).all()
     assert (lasts[~found.static_ok] == -1.0).all()
 
 
